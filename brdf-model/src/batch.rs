@@ -1,0 +1,104 @@
+//! Structure-of-arrays buffers for evaluating many direction pairs at once.
+
+use brdf_param::DirectionPair;
+use glam::DVec3;
+
+use crate::Rgb;
+
+/// Direction pairs, one array per component, in f32.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DirectionBatch {
+    /// x, y and z of the directions to the light.
+    pub wi: [Vec<f32>; 3],
+    /// x, y and z of the directions to the viewer.
+    pub wo: [Vec<f32>; 3],
+}
+
+impl DirectionBatch {
+    /// Number of pairs.
+    pub fn len(&self) -> usize {
+        self.wi[0].len()
+    }
+
+    /// There are no pairs.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Removes all pairs and keeps the memory.
+    pub fn clear(&mut self) {
+        self.wi.iter_mut().chain(&mut self.wo).for_each(Vec::clear);
+    }
+
+    /// Adds a pair, narrowed to f32.
+    pub fn push(&mut self, pair: &DirectionPair) {
+        let narrow = |arrays: &mut [Vec<f32>; 3], direction: DVec3| {
+            for (array, component) in arrays.iter_mut().zip(direction.as_vec3().to_array()) {
+                array.push(component);
+            }
+        };
+        narrow(&mut self.wi, pair.wi);
+        narrow(&mut self.wo, pair.wo);
+    }
+
+    /// The pair at `index`.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below [`DirectionBatch::len`].
+    pub fn get(&self, index: usize) -> DirectionPair {
+        let widen = |a: &[Vec<f32>; 3]| {
+            DVec3::new(a[0][index].into(), a[1][index].into(), a[2][index].into())
+        };
+        DirectionPair::new(widen(&self.wi), widen(&self.wo))
+    }
+}
+
+impl<'a> FromIterator<&'a DirectionPair> for DirectionBatch {
+    fn from_iter<I: IntoIterator<Item = &'a DirectionPair>>(pairs: I) -> Self {
+        let mut batch = Self::default();
+        pairs.into_iter().for_each(|pair| batch.push(pair));
+        batch
+    }
+}
+
+/// BRDF values, one array per channel, in sr⁻¹ and f32.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RgbBatch {
+    /// Red.
+    pub r: Vec<f32>,
+    /// Green.
+    pub g: Vec<f32>,
+    /// Blue.
+    pub b: Vec<f32>,
+}
+
+impl RgbBatch {
+    /// Makes room for `len` values; what they are is not specified.
+    pub fn resize(&mut self, len: usize) {
+        for channel in [&mut self.r, &mut self.g, &mut self.b] {
+            channel.resize(len, 0.0);
+        }
+    }
+
+    /// The value at `index`.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is out of range.
+    pub fn get(&self, index: usize) -> Rgb {
+        Rgb::new(self.r[index].into(), self.g[index].into(), self.b[index].into())
+    }
+
+    /// Stores a value, narrowed to f32.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is out of range.
+    #[expect(clippy::cast_possible_truncation, reason = "the narrowing this buffer is for")]
+    pub fn set(&mut self, index: usize, value: Rgb) {
+        self.r[index] = value.r as f32;
+        self.g[index] = value.g as f32;
+        self.b[index] = value.b as f32;
+    }
+}

@@ -1,0 +1,146 @@
+//! Physical plausibility: reciprocity, energy, and how much of the domain has data.
+
+use std::f64::consts::PI;
+
+use brdf_param::{DirectionPair, polar_angle, spherical_direction};
+use serde::Serialize;
+
+use crate::sampling::cosine_hemisphere;
+use crate::{Brdf, PairSampling, Rgb, SampleSet, ScrambledSobol};
+
+/// What [`check`] found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PhysicalChecks {
+    /// Mean of |f(a, b) − f(b, a)| divided by the mean of f, over all channels.
+    pub reciprocity_error: f64,
+    /// The largest directional albedo of any channel; above 1, more light leaves than arrives.
+    pub largest_albedo: f64,
+    /// The angle of incidence at which it occurs, degrees.
+    pub largest_albedo_theta_deg: f64,
+    /// Share of pairs within the grazing limit that have data.
+    pub coverage: Coverage,
+}
+
+/// How much of the domain has data.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Coverage {
+    /// Share of pairs with data, [0, 1].
+    pub share: f64,
+    /// Grazing limit that the pairs were drawn within, degrees.
+    pub max_theta_deg: f64,
+}
+
+/// Checks a model at 20,000 pairs within `theta_max` radians, and its albedo at sixteen angles of
+/// incidence up to there.
+pub fn check(brdf: &dyn Brdf, theta_max: f64) -> PhysicalChecks {
+    let sampling = PairSampling { count: 20_000, seed: 1, theta_max };
+    let (mut difference, mut sum, mut covered) = (0.0, 0.0, 0_u32);
+    for pair in sampling.pairs() {
+        let swapped = pair.swapped();
+        if !brdf.covers(&pair) || !brdf.covers(&swapped) {
+            continue;
+        }
+        covered += 1;
+        let (forward, backward) = (brdf.eval(&pair), brdf.eval(&swapped));
+        let total = |value: Rgb| value.channels().iter().sum::<f64>();
+        difference += total((forward - backward).map(f64::abs));
+        sum += total((forward + backward) * 0.5);
+    }
+    let angles = (0..16).map(|step| theta_max * f64::from(step) / 15.0);
+    let (largest_albedo, theta) = angles
+        .map(|theta| (directional_albedo(brdf, theta).max_channel(), theta))
+        .fold((0.0, 0.0), |best, next| if next.0 > best.0 { next } else { best });
+    PhysicalChecks {
+        reciprocity_error: if sum > 0.0 { difference / sum } else { 0.0 },
+        largest_albedo,
+        largest_albedo_theta_deg: theta.to_degrees(),
+        coverage: Coverage {
+            share: f64::from(covered) / f64::from(sampling.count),
+            max_theta_deg: theta_max.to_degrees(),
+        },
+    }
+}
+
+/// ∫ f cosθo dωo for light arriving at `theta` radians and azimuth 0; pairs without data count as
+/// dark. 8192 points of a scrambled sequence, half of them about the mirror direction.
+pub fn directional_albedo(brdf: &dyn Brdf, theta: f64) -> Rgb {
+    const POINTS: u32 = 4096;
+    let wi = spherical_direction(theta, 0.0);
+    let mirror = spherical_direction(theta, PI);
+    let sobol = ScrambledSobol::new(1);
+    let estimate = |wo: glam::DVec3| {
+        let pair = DirectionPair::new(wi, wo);
+        if wo.z <= 0.0 || !brdf.covers(&pair) {
+            return Rgb::BLACK;
+        }
+        let density = 0.5 * wo.z / PI + 0.5 * lobe_density(mirror, wo);
+        brdf.eval(&pair) * (wo.z / density)
+    };
+    let mut sum = Rgb::BLACK;
+    for index in 0..POINTS {
+        let [a, b, c, d] = sobol.point(index);
+        sum = sum + estimate(cosine_hemisphere(a, b).0) + estimate(lobe_direction(mirror, c, d));
+    }
+    sum / f64::from(2 * POINTS)
+}
+
+/// Exponent of the lobe that looks for highlights: half of it lies within 17° of its axis.
+const LOBE_EXPONENT: f64 = 15.0;
+
+fn lobe_density(axis: glam::DVec3, direction: glam::DVec3) -> f64 {
+    (LOBE_EXPONENT + 1.0) / (2.0 * PI) * axis.dot(direction).max(0.0).powf(LOBE_EXPONENT)
+}
+
+fn lobe_direction(axis: glam::DVec3, u: f64, v: f64) -> glam::DVec3 {
+    let cosine = u.powf(1.0 / (LOBE_EXPONENT + 1.0));
+    let local = spherical_direction(cosine.acos(), 2.0 * PI * v);
+    let (x, y) = axis.any_orthonormal_pair();
+    local.x * x + local.y * y + local.z * axis
+}
+
+/// What a set of scattered samples spans.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SampleSummary {
+    /// Number of samples.
+    pub count: usize,
+    /// Distinct directions to the light, to 1e-4 in each component.
+    pub incidences: usize,
+    /// Largest angle of a direction to the light, degrees.
+    pub max_theta_i_deg: f64,
+    /// Largest angle of a direction to the viewer, degrees.
+    pub max_theta_o_deg: f64,
+    /// Smallest value of any channel, sr⁻¹.
+    pub min_value: f64,
+    /// Largest value of any channel, sr⁻¹.
+    pub max_value: f64,
+    /// Share of samples that are exactly 0 in some channel.
+    pub zero_share: f64,
+}
+
+/// Summarises a set of samples.
+pub fn summarize(samples: &SampleSet) -> SampleSummary {
+    #[expect(clippy::cast_possible_truncation, reason = "components times ten thousand")]
+    let rounded = |v: f64| (v * 1e4).round() as i64;
+    let mut incidences: Vec<[i64; 3]> =
+        samples.pairs().map(|pair| pair.wi.to_array().map(rounded)).collect();
+    incidences.sort_unstable();
+    incidences.dedup();
+    let values = || samples.values().iter().flatten().copied();
+    let largest = |pick: fn(&DirectionPair) -> glam::DVec3| {
+        samples.pairs().map(|pair| polar_angle(pick(&pair)).to_degrees()).fold(0.0, f64::max)
+    };
+    let zeros = (0..samples.len())
+        .filter(|&i| samples.values().iter().any(|channel| channel[i] == 0.0))
+        .count();
+    #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
+    let zero_share = zeros as f64 / samples.len().max(1) as f64;
+    SampleSummary {
+        count: samples.len(),
+        incidences: incidences.len(),
+        max_theta_i_deg: largest(|pair| pair.wi),
+        max_theta_o_deg: largest(|pair| pair.wo),
+        min_value: values().fold(f64::INFINITY, f64::min),
+        max_value: values().fold(0.0, f64::max),
+        zero_share,
+    }
+}

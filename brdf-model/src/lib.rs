@@ -1,0 +1,53 @@
+//! What is reflected: the [`Brdf`] trait, analytic and tabulated models, sets of samples, and the
+//! measures of how far an approximation is from its reference.
+//!
+//! Values are in sr⁻¹, linear RGB with Rec. 709 primaries, the cosine *not* included. The frame is
+//! that of [`brdf_param`].
+//!
+//! ```
+//! use brdf_model::{Brdf, Preset};
+//! use brdf_param::DirectionPair;
+//!
+//! let paint = Preset::find("lafortune-blue-paint").expect("a preset of this crate").brdf();
+//! let value = paint.eval(&DirectionPair::from_angles(0.3, 0.0, 0.3, std::f64::consts::PI));
+//! assert!(value.b > value.r, "blue paint is blue");
+//! ```
+
+mod analytic;
+mod batch;
+mod brdf;
+mod checks;
+mod error;
+mod fresnel;
+mod interpolated_warp;
+mod merl;
+mod metrics;
+mod preset;
+mod rgb;
+mod rgl;
+mod sample_set;
+mod sampling;
+mod scattered;
+mod utia;
+
+pub use analytic::{
+    Analytic, AshikhminShirley, BlinnPhong, CookTorrance, Ggx, Lafortune, LafortuneLobe, Lambert,
+    Plastic, Ward,
+};
+pub use batch::{DirectionBatch, RgbBatch};
+pub use brdf::Brdf;
+pub use checks::{Coverage, PhysicalChecks, SampleSummary, check, directional_albedo, summarize};
+pub use error::ModelError;
+pub use fresnel::{Fresnel, conductor_reflectance, dielectric_reflectance};
+pub use interpolated_warp::{InterpolatedWarp, WarpShape};
+pub use merl::{MerlLookup, MerlNodes, MerlTable};
+pub use metrics::{
+    COSINE_RMS_PAIRS, CosineRms, ErrorMeasures, FitErrors, cosine_rms, log_offsets, measure,
+};
+pub use preset::Preset;
+pub use rgb::{Channels, Rgb};
+pub use rgl::{RglBrdf, RglTables};
+pub use sample_set::{Dropped, SampleSet};
+pub use sampling::{PairSampling, ScrambledSobol, cosine_hemisphere, uniform_hemisphere};
+pub use scattered::ScatteredBrdf;
+pub use utia::UtiaTable;

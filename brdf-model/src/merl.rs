@@ -1,0 +1,323 @@
+//! Isotropic BRDFs tabulated on the MERL grid.
+//!
+//! Source: Matusik, Pfister, Brand and McMillan 2003. Half/difference angles; the theta_h axis is
+//! quadratic, cell i spans i²/90 … (i + 1)²/90 degrees; theta_d and phi_d have cells of one degree.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use brdf_param::{DirectionPair, HalfDifference};
+
+use crate::brdf::is_lit;
+use crate::{Brdf, ModelError, Rgb};
+
+/// Where in its cell a tabulated value is taken to stand. The literature disagrees: libbsdf reads
+/// the lower edge, ALTA the centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MerlNodes {
+    /// (i + ½) in the index space of each axis.
+    Centre,
+    /// i, the lower edge.
+    Edge,
+}
+
+/// How a table is read between its nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MerlLookup {
+    /// The value of the cell that the pair falls into, as the database's own reader does.
+    Nearest,
+    /// Trilinear between valid nodes; beyond the outermost node its value holds, and phi_d wraps.
+    Trilinear(MerlNodes),
+}
+
+/// A 90 × 90 × 180 table of BRDF values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MerlTable {
+    /// RGB in sr⁻¹ at index phi_d + 180 (theta_d + 90 theta_h); negative where invalid.
+    cells: Vec<[f32; 3]>,
+    lookup: MerlLookup,
+}
+
+impl MerlTable {
+    /// Cells along theta_h.
+    pub const THETA_H: usize = 90;
+    /// Cells along theta_d.
+    pub const THETA_D: usize = 90;
+    /// Cells along phi_d, which covers [0, π).
+    pub const PHI_D: usize = 180;
+    /// Cells in all.
+    pub const CELLS: usize = Self::THETA_H * Self::THETA_D * Self::PHI_D;
+    /// What an invalid cell holds in each channel.
+    pub const INVALID: [f32; 3] = [-1.0; 3];
+
+    /// A table of [`MerlTable::CELLS`] values in sr⁻¹, phi_d fastest, then theta_d, then theta_h.
+    /// A cell with a negative or NaN channel has no data.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::TableSize`]; [`ModelError::TableValue`] for an infinite value.
+    pub fn new(mut cells: Vec<[f32; 3]>, lookup: MerlLookup) -> Result<Self, ModelError> {
+        if cells.len() != Self::CELLS {
+            return Err(ModelError::TableSize {
+                table: "merl",
+                expected: Self::CELLS,
+                found: cells.len(),
+            });
+        }
+        for (index, cell) in cells.iter_mut().enumerate() {
+            if let Some(&value) = cell.iter().find(|v| v.is_infinite()) {
+                return Err(ModelError::TableValue {
+                    table: "merl",
+                    index,
+                    value: value.into(),
+                    expected: "finite values",
+                });
+            }
+            // Written so that NaN counts as invalid.
+            if !cell.iter().all(|&v| v >= 0.0) {
+                *cell = Self::INVALID;
+            }
+        }
+        Ok(Self { cells, lookup })
+    }
+
+    /// Tabulates a model at the cell centres, with phi_h = 0. Values are made reciprocal by
+    /// averaging each pair with its swap, since the grid has no room for a difference; cells with
+    /// a direction below the horizon, or where the model has no data, are invalid.
+    pub fn tabulate(brdf: &dyn Brdf) -> Self {
+        let cells = (0..Self::CELLS)
+            .map(|index| {
+                let pair = Self::cell_pair(index);
+                let swapped = pair.swapped();
+                if !brdf.covers(&pair) || !brdf.covers(&swapped) {
+                    return Self::INVALID;
+                }
+                let mean = (brdf.eval(&pair) + brdf.eval(&swapped)) * 0.5;
+                #[expect(clippy::cast_possible_truncation, reason = "the table stores f32")]
+                mean.channels().map(|v| v as f32)
+            })
+            .collect();
+        Self { cells, lookup: MerlLookup::Trilinear(MerlNodes::Centre) }
+    }
+
+    /// The same table read in another way.
+    pub fn with_lookup(self, lookup: MerlLookup) -> Self {
+        Self { lookup, ..self }
+    }
+
+    /// The cells, phi_d fastest.
+    pub fn cells(&self) -> &[[f32; 3]] {
+        &self.cells
+    }
+
+    /// Cells without data.
+    pub fn invalid_cells(&self) -> usize {
+        self.cells.iter().filter(|cell| cell[0] < 0.0).count()
+    }
+
+    /// The pair at the centre of a cell, with phi_h = 0; one direction may be below the horizon.
+    pub fn cell_pair(index: usize) -> DirectionPair {
+        #[expect(clippy::cast_precision_loss, reason = "cell indices are below two million")]
+        let centre = |i: usize| i as f64 + 0.5;
+        let phi_d = centre(index % Self::PHI_D).to_radians();
+        let theta_d = centre(index / Self::PHI_D % Self::THETA_D).to_radians();
+        let theta_h = (centre(index / (Self::PHI_D * Self::THETA_D)).powi(2) / 90.0).to_radians();
+        HalfDifference { theta_h, phi_h: 0.0, theta_d, phi_d }.to_pair()
+    }
+
+    fn cell(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> &[f32; 3] {
+        &self.cells[phi_d + Self::PHI_D * (theta_d + Self::THETA_D * theta_h)]
+    }
+
+    fn nearest(&self, at: GridPoint) -> Option<Rgb> {
+        let theta_h = below(at.theta_h, Self::THETA_H);
+        let theta_d = below(at.theta_d, Self::THETA_D);
+        let phi_d = below(at.phi_d, Self::PHI_D);
+        let cell = self.cell(theta_h, theta_d, phi_d);
+        (cell[0] >= 0.0).then(|| Rgb::from(cell.map(f64::from)))
+    }
+
+    fn trilinear(&self, at: GridPoint, nodes: MerlNodes) -> Option<Rgb> {
+        let shift = match nodes {
+            MerlNodes::Centre => 0.5,
+            MerlNodes::Edge => 0.0,
+        };
+        let theta_h = Span::clamped(at.theta_h - shift, Self::THETA_H);
+        let theta_d = Span::clamped(at.theta_d - shift, Self::THETA_D);
+        let phi_d = Span::wrapped(at.phi_d - shift, Self::PHI_D);
+        let mut sum = [0.0_f64; 3];
+        let mut valid = 0.0;
+        for (h, weight_h) in theta_h.ends() {
+            for (d, weight_d) in theta_d.ends() {
+                for (p, weight_p) in phi_d.ends() {
+                    let cell = self.cell(h, d, p);
+                    let weight = weight_h * weight_d * weight_p;
+                    if cell[0] >= 0.0 {
+                        valid += weight;
+                        for (total, &value) in sum.iter_mut().zip(cell) {
+                            *total += weight * f64::from(value);
+                        }
+                    }
+                }
+            }
+        }
+        (valid > 0.0).then(|| Rgb::from(sum) / valid)
+    }
+
+    fn lookup(&self, pair: &DirectionPair) -> Option<Rgb> {
+        if !is_lit(pair) {
+            return None;
+        }
+        let at = GridPoint::of(pair);
+        match self.lookup {
+            MerlLookup::Nearest => self.nearest(at),
+            MerlLookup::Trilinear(nodes) => self.trilinear(at, nodes),
+        }
+    }
+}
+
+impl Brdf for MerlTable {
+    fn eval(&self, pair: &DirectionPair) -> Rgb {
+        self.lookup(pair).unwrap_or(Rgb::BLACK)
+    }
+
+    fn covers(&self, pair: &DirectionPair) -> bool {
+        self.lookup(pair).is_some()
+    }
+}
+
+/// A place in the grid, each axis in cells: [0, 90] × [0, 90] × [0, 180).
+#[derive(Clone, Copy)]
+struct GridPoint {
+    theta_h: f64,
+    theta_d: f64,
+    phi_d: f64,
+}
+
+impl GridPoint {
+    /// Half/difference angles as in [`HalfDifference::from_pair`], rearranged to spend two
+    /// arctangents less: for isotropic tables phi_h itself is not needed.
+    fn of(pair: &DirectionPair) -> Self {
+        let (wi, wo) = (pair.wi, pair.wo);
+        let sum = wi + wo;
+        let back = wi - wo;
+        let planar = sum.truncate().length();
+        let theta_h = planar.atan2(sum.z);
+        let theta_d = back.length().atan2(sum.length());
+        // Twice the difference vector's x and y in the frame of the half vector, up to a common
+        // positive factor; see the test against the plain form.
+        let across = sum.x * back.y - sum.y * back.x;
+        let along = -back.z * sum.length();
+        let phi_d = if planar > 0.0 { across.atan2(along) } else { back.y.atan2(back.x) };
+        let phi_d = if phi_d < 0.0 { phi_d + PI } else { phi_d };
+        Self {
+            theta_h: (theta_h / FRAC_PI_2).sqrt() * 90.0,
+            theta_d: theta_d / FRAC_PI_2 * 90.0,
+            phi_d: phi_d / PI * 180.0,
+        }
+    }
+}
+
+/// Two neighbouring nodes and how far a point has gone from the first to the second.
+struct Span {
+    nodes: [usize; 2],
+    fraction: f64,
+}
+
+impl Span {
+    fn clamped(position: f64, count: usize) -> Self {
+        let last = count - 1;
+        let low = below(position.max(0.0), count);
+        #[expect(clippy::cast_precision_loss, reason = "grid indices are below 180")]
+        let fraction = (position - low as f64).clamp(0.0, 1.0);
+        Self { nodes: [low, (low + 1).min(last)], fraction }
+    }
+
+    fn wrapped(position: f64, count: usize) -> Self {
+        let floor = position.floor();
+        let low = if floor < 0.0 { count - 1 } else { below(floor, count) };
+        let next = if low + 1 == count { 0 } else { low + 1 };
+        Self { nodes: [low, next], fraction: position - floor }
+    }
+
+    fn ends(&self) -> [(usize, f64); 2] {
+        [(self.nodes[0], 1.0 - self.fraction), (self.nodes[1], self.fraction)]
+    }
+}
+
+/// The cell of a position ≥ 0, the last one for positions at or past the end.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "positions are not negative, and `as` saturates"
+)]
+fn below(position: f64, count: usize) -> usize {
+    (position as usize).min(count - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PairSampling, Preset};
+
+    #[test]
+    fn the_short_form_of_the_angles_equals_the_plain_one() {
+        let sampling = PairSampling { count: 20_000, seed: 5, theta_max: FRAC_PI_2 };
+        for pair in sampling.pairs() {
+            let angles = HalfDifference::from_pair(&pair);
+            let at = GridPoint::of(&pair);
+            let phi_d = if angles.phi_d < 0.0 { angles.phi_d + PI } else { angles.phi_d };
+            assert!((at.theta_h - (angles.theta_h / FRAC_PI_2).sqrt() * 90.0).abs() < 1e-7);
+            assert!((at.theta_d - angles.theta_d.to_degrees()).abs() < 1e-9);
+            let turn = (at.phi_d - phi_d.to_degrees()).abs();
+            assert!(turn.min(180.0 - turn) < 1e-7, "{turn} at {pair:?}");
+        }
+    }
+
+    #[test]
+    fn cell_centres_find_their_own_cell() {
+        let mut cells = vec![[0.25; 3]; MerlTable::CELLS];
+        for (index, cell) in cells.iter_mut().enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "indices below 2²⁴ are exact")]
+            let value = index as f32;
+            *cell = [value; 3];
+        }
+        let table = MerlTable::new(cells, MerlLookup::Nearest).unwrap();
+        let trilinear = table.clone().with_lookup(MerlLookup::Trilinear(MerlNodes::Centre));
+        for index in (0..MerlTable::CELLS).step_by(997) {
+            let pair = MerlTable::cell_pair(index);
+            if !is_lit(&pair) {
+                continue;
+            }
+            #[expect(clippy::cast_precision_loss, reason = "exact")]
+            let expected = index as f64;
+            assert!((table.eval(&pair).r - expected).abs() < 0.5, "nearest at {index}");
+            // Where the trilinear weights put everything on one node up to rounding.
+            assert!((trilinear.eval(&pair).r - expected).abs() < 0.01, "trilinear at {index}");
+        }
+    }
+
+    #[test]
+    fn a_tabulated_model_comes_back() {
+        let plastic = Preset::find("plastic").unwrap().brdf();
+        let table = MerlTable::tabulate(&plastic);
+        let sampling = PairSampling { count: 5_000, seed: 9, theta_max: 75_f64.to_radians() };
+        for pair in sampling.pairs() {
+            let (exact, read) = (plastic.eval(&pair).r, table.eval(&pair).r);
+            assert!((exact - read).abs() < 0.01 * exact, "{read} for {exact} at {pair:?}");
+        }
+    }
+
+    #[test]
+    fn invalid_cells_have_no_data_and_no_influence() {
+        let mut cells = vec![[1.0; 3]; MerlTable::CELLS];
+        cells[0] = [-1.0, 0.5, f32::NAN];
+        let table = MerlTable::new(cells, MerlLookup::Nearest).unwrap();
+        let pair = MerlTable::cell_pair(0);
+        assert_eq!(table.invalid_cells(), 1);
+        assert!(!table.covers(&pair));
+        assert_eq!(table.eval(&pair), Rgb::BLACK);
+        let trilinear = table.with_lookup(MerlLookup::Trilinear(MerlNodes::Edge));
+        let shifted = HalfDifference { theta_h: 0.001, phi_h: 0.0, theta_d: 0.012, phi_d: 0.004 };
+        assert!((trilinear.eval(&shifted.to_pair()).g - 1.0).abs() < 1e-6);
+    }
+}

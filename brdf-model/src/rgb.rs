@@ -1,0 +1,129 @@
+//! Linear RGB triples.
+
+use std::iter::Sum;
+use std::ops::{Add, Div, Mul, Sub};
+
+use serde::{Deserialize, Serialize};
+
+/// Three linear channels with Rec. 709 primaries; for a BRDF value, in sr⁻¹.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rgb {
+    /// Red.
+    pub r: f64,
+    /// Green.
+    pub g: f64,
+    /// Blue.
+    pub b: f64,
+}
+
+impl Rgb {
+    /// All channels zero.
+    pub const BLACK: Self = Self::splat(0.0);
+
+    /// Three channels.
+    pub const fn new(r: f64, g: f64, b: f64) -> Self {
+        Self { r, g, b }
+    }
+
+    /// A grey.
+    pub const fn splat(value: f64) -> Self {
+        Self::new(value, value, value)
+    }
+
+    /// The channels in the order red, green, blue.
+    pub const fn channels(self) -> [f64; 3] {
+        [self.r, self.g, self.b]
+    }
+
+    /// Rec. 709 luminance, .2126 r + .7152 g + .0722 b.
+    pub fn luminance(self) -> f64 {
+        0.2126 * self.r + 0.7152 * self.g + 0.0722 * self.b
+    }
+
+    /// A function of each channel.
+    pub fn map(self, mut f: impl FnMut(f64) -> f64) -> Self {
+        Self::new(f(self.r), f(self.g), f(self.b))
+    }
+
+    /// A function of each channel and its counterpart.
+    pub fn zip(self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
+        Self::new(f(self.r, other.r), f(self.g, other.g), f(self.b, other.b))
+    }
+
+    /// The largest channel.
+    pub fn max_channel(self) -> f64 {
+        self.r.max(self.g).max(self.b)
+    }
+
+    /// No channel is NaN or infinite.
+    pub fn is_finite(self) -> bool {
+        self.channels().iter().all(|v| v.is_finite())
+    }
+}
+
+impl From<[f64; 3]> for Rgb {
+    fn from([r, g, b]: [f64; 3]) -> Self {
+        Self::new(r, g, b)
+    }
+}
+
+impl Add for Rgb {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl Sub for Rgb {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl Mul for Rgb {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl Mul<f64> for Rgb {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        self.map(|v| v * factor)
+    }
+}
+
+impl Div<f64> for Rgb {
+    type Output = Self;
+    fn div(self, divisor: f64) -> Self {
+        self.map(|v| v / divisor)
+    }
+}
+
+impl Sum for Rgb {
+    fn sum<I: Iterator<Item = Self>>(values: I) -> Self {
+        values.fold(Self::BLACK, Add::add)
+    }
+}
+
+/// Which channels of a material are fitted and measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Channels {
+    /// Red, green and blue.
+    Rgb,
+    /// One channel: Rec. 709 luminance, or the only channel that was measured.
+    Luminance,
+}
+
+impl Channels {
+    /// 3 or 1.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Rgb => 3,
+            Self::Luminance => 1,
+        }
+    }
+}

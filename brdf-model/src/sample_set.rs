@@ -1,0 +1,332 @@
+//! Sets of BRDF samples, and what was left out of them.
+
+use std::fmt;
+
+use brdf_param::DirectionPair;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::{Brdf, Channels, PairSampling, Rgb};
+
+/// How many samples were left out, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Dropped {
+    /// A direction lies below the surface or along it.
+    pub below_horizon: usize,
+    /// A direction lies farther from the normal than the grazing limit.
+    pub beyond_grazing_limit: usize,
+    /// A direction or value is NaN or infinite.
+    pub not_finite: usize,
+    /// A channel is negative.
+    pub negative: usize,
+    /// A tabulated material has no valid data there.
+    pub no_data: usize,
+}
+
+impl Dropped {
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.below_horizon
+            + self.beyond_grazing_limit
+            + self.not_finite
+            + self.negative
+            + self.no_data
+    }
+}
+
+impl fmt::Display for Dropped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} below the horizon, {} beyond the grazing limit, {} not finite, {} negative, {} \
+             without data",
+            self.below_horizon,
+            self.beyond_grazing_limit,
+            self.not_finite,
+            self.negative,
+            self.no_data
+        )
+    }
+}
+
+/// Direction pairs with one value per channel, as a structure of arrays.
+///
+/// Every pair lies above the horizon and every value is finite and not negative.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SampleSet {
+    wi: Vec<DVec3>,
+    wo: Vec<DVec3>,
+    /// One array per channel, each as long as `wi`, in sr⁻¹.
+    values: Vec<Vec<f64>>,
+    dropped: Dropped,
+}
+
+impl SampleSet {
+    /// An empty set.
+    pub fn new(channels: Channels) -> Self {
+        Self {
+            wi: Vec::new(),
+            wo: Vec::new(),
+            values: vec![Vec::new(); channels.count()],
+            dropped: Dropped::default(),
+        }
+    }
+
+    /// Draws pairs and evaluates a model at them. Pairs without valid data are counted, not
+    /// replaced.
+    pub fn draw(brdf: &dyn Brdf, sampling: &PairSampling, channels: Channels) -> Self {
+        let mut set = Self::new(channels);
+        for pair in sampling.pairs() {
+            if brdf.covers(&pair) {
+                set.push_rgb(&pair, brdf.eval_signed(&pair));
+            } else {
+                set.dropped.no_data += 1;
+            }
+        }
+        set
+    }
+
+    /// Adds a sample, or counts why it cannot be used. A set of one channel takes the luminance.
+    pub fn push_rgb(&mut self, pair: &DirectionPair, value: Rgb) {
+        match self.channels() {
+            Channels::Rgb => self.push(pair, &value.channels()),
+            Channels::Luminance => self.push(pair, &[value.luminance()]),
+        }
+    }
+
+    /// Adds a sample, or counts why it cannot be used.
+    ///
+    /// # Panics
+    ///
+    /// If `values` has not one entry per channel.
+    pub fn push(&mut self, pair: &DirectionPair, values: &[f64]) {
+        assert_eq!(values.len(), self.values.len(), "one value per channel");
+        let finite = pair.wi.is_finite() && pair.wo.is_finite();
+        if !finite || values.iter().any(|v| !v.is_finite()) {
+            self.dropped.not_finite += 1;
+        } else if pair.wi.z <= 0.0 || pair.wo.z <= 0.0 {
+            self.dropped.below_horizon += 1;
+        } else if values.iter().any(|&v| v < 0.0) {
+            self.dropped.negative += 1;
+        } else {
+            self.push_unchecked(pair, values.iter().copied());
+        }
+    }
+
+    fn push_unchecked(&mut self, pair: &DirectionPair, values: impl Iterator<Item = f64>) {
+        self.wi.push(pair.wi);
+        self.wo.push(pair.wo);
+        for (channel, value) in self.values.iter_mut().zip(values) {
+            channel.push(value);
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.wi.len()
+    }
+
+    /// There are none.
+    pub fn is_empty(&self) -> bool {
+        self.wi.is_empty()
+    }
+
+    /// One channel or three.
+    pub fn channels(&self) -> Channels {
+        if self.values.len() == 1 { Channels::Luminance } else { Channels::Rgb }
+    }
+
+    /// The values of each channel, in sr⁻¹.
+    pub fn values(&self) -> &[Vec<f64>] {
+        &self.values
+    }
+
+    /// What was left out so far.
+    pub fn dropped(&self) -> Dropped {
+        self.dropped
+    }
+
+    /// The pair at `index`.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is out of range.
+    pub fn pair(&self, index: usize) -> DirectionPair {
+        DirectionPair::new(self.wi[index], self.wo[index])
+    }
+
+    /// The pairs in order.
+    pub fn pairs(&self) -> impl ExactSizeIterator<Item = DirectionPair> + '_ {
+        self.wi.iter().zip(&self.wo).map(|(&wi, &wo)| DirectionPair::new(wi, wo))
+    }
+
+    /// The value at `index`; one channel comes back as grey.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is out of range.
+    pub fn rgb(&self, index: usize) -> Rgb {
+        match &self.values[..] {
+            [grey] => Rgb::splat(grey[index]),
+            [r, g, b] => Rgb::new(r[index], g[index], b[index]),
+            _ => unreachable!("a set has one or three channels"),
+        }
+    }
+
+    /// Mean value of each channel; 0 for an empty set.
+    pub fn mean(&self) -> Vec<f64> {
+        #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
+        let count = self.len().max(1) as f64;
+        self.values.iter().map(|channel| channel.iter().sum::<f64>() / count).collect()
+    }
+
+    /// The samples at these indices; the counts of what was dropped do not come along.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range.
+    pub fn subset(&self, indices: &[usize]) -> Self {
+        Self {
+            wi: indices.iter().map(|&i| self.wi[i]).collect(),
+            wo: indices.iter().map(|&i| self.wo[i]).collect(),
+            values: self
+                .values
+                .iter()
+                .map(|channel| indices.iter().map(|&i| channel[i]).collect())
+                .collect(),
+            dropped: Dropped::default(),
+        }
+    }
+
+    /// The same samples as luminance; a set of one channel stays as it is.
+    pub fn to_luminance(&self) -> Self {
+        let values = match self.channels() {
+            Channels::Luminance => self.values.clone(),
+            Channels::Rgb => vec![(0..self.len()).map(|i| self.rgb(i).luminance()).collect()],
+        };
+        Self { wi: self.wi.clone(), wo: self.wo.clone(), values, dropped: self.dropped }
+    }
+
+    /// The samples whose directions both lie within `theta_max` radians of the normal; the others
+    /// are counted.
+    pub fn within(&self, theta_max: f64) -> Self {
+        // A sample measured at exactly the limit, in degrees with six digits, belongs to it.
+        let limit = (theta_max + 1e-6).cos();
+        let keep: Vec<usize> =
+            (0..self.len()).filter(|&i| self.wi[i].z >= limit && self.wo[i].z >= limit).collect();
+        let mut kept = self.subset(&keep);
+        kept.dropped = self.dropped;
+        kept.dropped.beyond_grazing_limit += self.len() - keep.len();
+        kept
+    }
+
+    /// Each sample turned about the normal in `rotations` equal steps, and for each of them its
+    /// reciprocal twin where `reciprocal` is set. What an isotropic, reciprocal material is known
+    /// to do where it was not measured.
+    pub fn replicated(&self, rotations: u32, reciprocal: bool) -> Self {
+        let mut set = Self { dropped: self.dropped, ..Self::new(self.channels()) };
+        for index in 0..self.len() {
+            let pair = self.pair(index);
+            for step in 0..rotations.max(1) {
+                let turn = std::f64::consts::TAU * f64::from(step) / f64::from(rotations.max(1));
+                let turned = pair.rotated_about_normal(turn);
+                let values = |values: &[Vec<f64>]| -> Vec<f64> {
+                    values.iter().map(|channel| channel[index]).collect()
+                };
+                set.push_unchecked(&turned, values(&self.values).into_iter());
+                if reciprocal {
+                    set.push_unchecked(&turned.swapped(), values(&self.values).into_iter());
+                }
+            }
+        }
+        set
+    }
+
+    /// Splits the samples into `folds` parts of nearly equal size, deterministically, such that
+    /// samples which an isotropic reciprocal material could not tell apart share a part.
+    ///
+    /// Returns the indices of each part.
+    pub fn folds(&self, folds: usize, seed: u64) -> Vec<Vec<usize>> {
+        let mut groups: Vec<(u64, TwinKey, usize)> = (0..self.len())
+            .map(|index| {
+                let key = TwinKey::new(&self.pair(index));
+                (key.hash(seed), key, index)
+            })
+            .collect();
+        groups.sort_unstable();
+        let mut parts = vec![Vec::new(); folds];
+        let mut group = 0;
+        for (position, entry) in groups.iter().enumerate() {
+            if position > 0 && groups[position - 1].1 != entry.1 {
+                group += 1;
+            }
+            parts[group % folds].push(entry.2);
+        }
+        parts.iter_mut().for_each(|part| part.sort_unstable());
+        parts
+    }
+}
+
+/// What twins under rotation, mirroring and reciprocity have in common, rounded to 1e-6.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct TwinKey([i64; 3]);
+
+impl TwinKey {
+    fn new(pair: &DirectionPair) -> Self {
+        let (a, b) = (pair.wi.z.min(pair.wo.z), pair.wi.z.max(pair.wo.z));
+        #[expect(clippy::cast_possible_truncation, reason = "cosines times a million")]
+        let rounded = |v: f64| (v * 1e6).round() as i64;
+        Self([rounded(a), rounded(b), rounded(pair.wi.dot(pair.wo))])
+    }
+
+    /// A deterministic shuffle key.
+    fn hash(self, seed: u64) -> u64 {
+        self.0.iter().fold(seed, |state, &part| {
+            let mixed = (state ^ part.cast_unsigned()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            mixed ^ (mixed >> 29)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair() -> DirectionPair {
+        DirectionPair::from_angles(0.4, 0.1, 0.7, 2.0)
+    }
+
+    #[test]
+    fn unusable_samples_are_counted_by_reason() {
+        let mut set = SampleSet::new(Channels::Luminance);
+        set.push(&pair(), &[f64::NAN]);
+        set.push(&pair(), &[-1.0]);
+        set.push(&DirectionPair::new(-DVec3::Z, DVec3::Z), &[1.0]);
+        set.push(&DirectionPair::new(DVec3::NAN, DVec3::Z), &[1.0]);
+        set.push(&pair(), &[0.0]);
+        let expected =
+            Dropped { below_horizon: 1, not_finite: 2, negative: 1, ..Dropped::default() };
+        assert_eq!((set.len(), set.dropped()), (1, expected));
+        assert_eq!(set.within(0.5).dropped().beyond_grazing_limit, 1);
+    }
+
+    #[test]
+    fn twins_never_part() {
+        let mut set = SampleSet::new(Channels::Luminance);
+        for step in 0..50 {
+            set.push(&DirectionPair::from_angles(0.02 * f64::from(step), 0.0, 0.6, 1.0), &[1.0]);
+        }
+        let twins = set.replicated(4, true);
+        let parts = twins.folds(10, 1);
+        assert_eq!(parts.iter().map(Vec::len).sum::<usize>(), twins.len());
+        for part in parts {
+            for index in part.iter() {
+                let family = index / 8;
+                assert!(
+                    (family * 8..family * 8 + 8).all(|twin| part.binary_search(&twin).is_ok()),
+                    "family {family} was split"
+                );
+            }
+        }
+    }
+}

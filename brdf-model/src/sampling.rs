@@ -1,0 +1,195 @@
+//! Deterministic directions and direction pairs.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use brdf_param::{DirectionPair, HemisphereMap};
+use glam::{DVec2, DVec3};
+
+/// A four-dimensional Sobol sequence with nested uniform (Owen) scrambling.
+///
+/// Direction numbers: Joe and Kuo 2008. The scrambling is a hash that acts on the bit-reversed
+/// sample as Owen's permutation tree does (Laine and Karras 2011). Random access: any index, any
+/// order, the same points.
+#[derive(Clone, Copy, Debug)]
+pub struct ScrambledSobol {
+    scramble: [u32; 4],
+}
+
+/// For the dimensions after the first: initial direction numbers m₁…m_s and the inner coefficients
+/// of the primitive polynomial of degree s.
+const JOE_KUO: [(&[u32], u32); 3] = [(&[1], 0), (&[1, 3], 1), (&[1, 3, 1], 1)];
+
+const DIRECTIONS: [[u32; 32]; 4] = [
+    van_der_corput(),
+    direction_numbers(JOE_KUO[0].0, JOE_KUO[0].1),
+    direction_numbers(JOE_KUO[1].0, JOE_KUO[1].1),
+    direction_numbers(JOE_KUO[2].0, JOE_KUO[2].1),
+];
+
+impl ScrambledSobol {
+    /// The scramble of this seed.
+    pub fn new(seed: u64) -> Self {
+        let low = hash_u64(seed);
+        let high = hash_u64(low ^ 0x9e37_79b9_7f4a_7c15);
+        #[expect(clippy::cast_possible_truncation, reason = "the two halves of a u64")]
+        let halves = |v: u64| [v as u32, (v >> 32) as u32];
+        let ([a, b], [c, d]) = (halves(low), halves(high));
+        Self { scramble: [a, b, c, d] }
+    }
+
+    /// The point at `index`, in (0, 1)⁴.
+    pub fn point(&self, index: u32) -> [f64; 4] {
+        std::array::from_fn(|dimension| {
+            let scrambled = owen(sobol(index, &DIRECTIONS[dimension]), self.scramble[dimension]);
+            (f64::from(scrambled) + 0.5) / 4_294_967_296.0
+        })
+    }
+}
+
+const fn van_der_corput() -> [u32; 32] {
+    let mut v = [0; 32];
+    let mut bit = 0;
+    while bit < 32 {
+        v[bit] = 1 << (31 - bit);
+        bit += 1;
+    }
+    v
+}
+
+const fn direction_numbers(m: &[u32], inner: u32) -> [u32; 32] {
+    let degree = m.len();
+    let mut v = [0; 32];
+    let mut bit = 0;
+    while bit < 32 {
+        v[bit] = if bit < degree {
+            m[bit] << (31 - bit)
+        } else {
+            let mut value = v[bit - degree] ^ (v[bit - degree] >> degree);
+            let mut term = 1;
+            while term < degree {
+                if inner >> (degree - 1 - term) & 1 == 1 {
+                    value ^= v[bit - term];
+                }
+                term += 1;
+            }
+            value
+        };
+        bit += 1;
+    }
+    v
+}
+
+fn sobol(index: u32, directions: &[u32; 32]) -> u32 {
+    directions
+        .iter()
+        .enumerate()
+        .filter(|(bit, _)| index >> bit & 1 == 1)
+        .fold(0, |value, (_, direction)| value ^ direction)
+}
+
+fn owen(value: u32, seed: u32) -> u32 {
+    let mut x = value.reverse_bits();
+    x = x.wrapping_add(seed);
+    x ^= x.wrapping_mul(0x6c50_b47c);
+    x ^= x.wrapping_mul(0xb82f_1e52);
+    x ^= x.wrapping_mul(0xc7af_e638);
+    x ^= x.wrapping_mul(0x8d22_f6e6);
+    x.reverse_bits()
+}
+
+/// The finaliser of SplitMix64.
+fn hash_u64(seed: u64) -> u64 {
+    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// How direction pairs are drawn for fitting and for comparing.
+///
+/// Each direction has parabolic radius tan(θmax/2)·√a and azimuth 2πb for a point (a, b | c, d) of
+/// the scrambled Sobol sequence: uniform on the product of two parabolic discs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairSampling {
+    /// Number of pairs.
+    pub count: u32,
+    /// Which scramble of the sequence.
+    pub seed: u64,
+    /// Largest angle to the normal, radians, (0, π/2].
+    pub theta_max: f64,
+}
+
+impl PairSampling {
+    /// The pairs, in the order of the sequence.
+    pub fn pairs(&self) -> impl Iterator<Item = DirectionPair> + use<> {
+        let sobol = ScrambledSobol::new(self.seed);
+        let radius = (0.5 * self.theta_max.min(FRAC_PI_2)).tan();
+        let direction = move |a: f64, b: f64| {
+            let disc = radius * a.sqrt() * DVec2::from_angle(TAU * b);
+            HemisphereMap::Parabolic.decode(disc).unwrap_or(DVec3::Z)
+        };
+        (0..self.count).map(move |index| {
+            let [a, b, c, d] = sobol.point(index);
+            DirectionPair::new(direction(a, b), direction(c, d))
+        })
+    }
+}
+
+/// A direction of the upper hemisphere, uniform in solid angle, from a point of the unit square.
+pub fn uniform_hemisphere(u: f64, v: f64) -> DVec3 {
+    let sin_theta = (1.0 - u * u).max(0.0).sqrt();
+    let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+    DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, u)
+}
+
+/// A direction with density cosθ/π, from a point of the unit square; returns the density too.
+pub fn cosine_hemisphere(u: f64, v: f64) -> (DVec3, f64) {
+    let disc = u.sqrt() * DVec2::from_angle(TAU * v);
+    let direction = disc.extend((1.0 - u).max(0.0).sqrt());
+    (direction, direction.z / PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every elementary interval of a (0, m, 2)-net holds one point; scrambling keeps that.
+    #[test]
+    fn the_first_two_dimensions_are_a_net() {
+        let sobol = ScrambledSobol::new(7);
+        for split in 0..=6_u32 {
+            let (columns, rows) = (1_u32 << split, 1_u32 << (6 - split));
+            let mut seen = std::collections::HashSet::new();
+            for index in 0..64 {
+                let [a, b, ..] = sobol.point(index);
+                let cell = ((a * f64::from(columns)).floor(), (b * f64::from(rows)).floor());
+                assert!(
+                    seen.insert((cell.0.to_bits(), cell.1.to_bits())),
+                    "two points in cell {cell:?} of {columns} × {rows}"
+                );
+            }
+        }
+    }
+
+    /// Each dimension alone is stratified, and no two dimensions are the same.
+    #[test]
+    fn every_dimension_is_stratified_on_its_own() {
+        let sobol = ScrambledSobol::new(1);
+        for dimension in 0..4 {
+            let mut cells: Vec<f64> =
+                (0..1024).map(|i| (sobol.point(i)[dimension] * 1024.0).floor()).collect();
+            cells.sort_by(f64::total_cmp);
+            assert!(cells.windows(2).all(|w| w[1] - w[0] > 0.5), "dimension {dimension}");
+        }
+        let [a, b, c, d] = sobol.point(12_345);
+        let distinct: std::collections::HashSet<u64> = [a, b, c, d].map(f64::to_bits).into();
+        assert_eq!(distinct.len(), 4, "{a} {b} {c} {d}");
+    }
+
+    #[test]
+    fn pairs_stay_within_the_grazing_limit() {
+        let sampling = PairSampling { count: 1000, seed: 3, theta_max: 80_f64.to_radians() };
+        let limit = sampling.theta_max.cos() - 1e-12;
+        assert!(sampling.pairs().all(|pair| pair.wi.z >= limit && pair.wo.z >= limit));
+    }
+}

@@ -1,0 +1,77 @@
+//! Scattered measurements seen as a function, for pictures only.
+//!
+//! Fitting never goes through here: samples enter it as they are.
+
+use brdf_param::DirectionPair;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use crate::brdf::is_lit;
+use crate::{Brdf, Rgb, SampleSet};
+
+/// Inverse-distance interpolation between the nearest samples of an isotropic, reciprocal material.
+///
+/// Distance is taken between the products sinθi sinθo cosΔφ, sinθi sinθo |sinΔφ| and cosθi cosθo,
+/// which rotation, mirroring and reciprocity leave alone (the idea is pbrt-v2's). Where no sample
+/// lies within [`ScatteredBrdf::REACH`], there is no data.
+#[derive(Debug)]
+pub struct ScatteredBrdf {
+    tree: RTree<GeomWithData<[f64; 3], usize>>,
+    samples: SampleSet,
+}
+
+impl ScatteredBrdf {
+    /// Farthest useful sample: about 6° for a direction halfway to the horizon.
+    pub const REACH: f64 = 0.1;
+    /// Samples that are averaged.
+    const NEIGHBOURS: usize = 8;
+
+    /// The function of a set of samples.
+    pub fn new(samples: SampleSet) -> Self {
+        let points = samples
+            .pairs()
+            .enumerate()
+            .map(|(index, pair)| GeomWithData::new(invariants(&pair), index))
+            .collect();
+        Self { tree: RTree::bulk_load(points), samples }
+    }
+
+    /// The samples it goes through.
+    pub fn samples(&self) -> &SampleSet {
+        &self.samples
+    }
+
+    fn interpolate(&self, pair: &DirectionPair) -> Option<Rgb> {
+        if !is_lit(pair) {
+            return None;
+        }
+        let mut sum = Rgb::BLACK;
+        let mut total = 0.0;
+        let nearest = self.tree.nearest_neighbor_iter_with_distance_2(invariants(pair));
+        for (point, distance_sq) in nearest.take(Self::NEIGHBOURS) {
+            if distance_sq > Self::REACH * Self::REACH {
+                break;
+            }
+            // The floor keeps a sample that is hit exactly from dividing by zero.
+            let weight = 1.0 / (distance_sq + 1e-12);
+            sum = sum + self.samples.rgb(point.data) * weight;
+            total += weight;
+        }
+        (total > 0.0).then(|| sum / total)
+    }
+}
+
+impl Brdf for ScatteredBrdf {
+    fn eval(&self, pair: &DirectionPair) -> Rgb {
+        self.interpolate(pair).unwrap_or(Rgb::BLACK)
+    }
+
+    fn covers(&self, pair: &DirectionPair) -> bool {
+        self.interpolate(pair).is_some()
+    }
+}
+
+fn invariants(pair: &DirectionPair) -> [f64; 3] {
+    let (a, b) = (pair.wi.truncate(), pair.wo.truncate());
+    [a.dot(b), a.perp_dot(b).abs(), pair.wi.z * pair.wo.z]
+}

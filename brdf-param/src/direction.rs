@@ -1,0 +1,101 @@
+//! Unit directions, pairs of them, and their spherical angles.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+/// The unit direction at polar angle `theta` from the normal and azimuth `phi` from the tangent,
+/// both in radians. A negative `theta` is the direction at `|theta|` on the far side, `phi + π`,
+/// which is how in-plane goniometers write it.
+pub fn spherical_direction(theta: f64, phi: f64) -> DVec3 {
+    let (sin_theta, cos_theta) = theta.sin_cos();
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
+}
+
+/// Angle to the normal in radians, [0, π]; exact to rounding at the pole and at the horizon.
+pub fn polar_angle(direction: DVec3) -> f64 {
+    direction.x.hypot(direction.y).atan2(direction.z)
+}
+
+/// Angle from the tangent in radians, (−π, π]; 0 at the pole, where it is undefined.
+pub fn azimuth(direction: DVec3) -> f64 {
+    if direction.x == 0.0 && direction.y == 0.0 { 0.0 } else { direction.y.atan2(direction.x) }
+}
+
+/// Brings an azimuth to (−π, π].
+pub fn wrap_azimuth(phi: f64) -> f64 {
+    let wrapped = phi - TAU * (phi / TAU).round();
+    if wrapped <= -PI { wrapped + TAU } else { wrapped }
+}
+
+/// Directions to the light and to the viewer, each of unit length, in the surface frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionPair {
+    /// Towards the light.
+    pub wi: DVec3,
+    /// Towards the viewer.
+    pub wo: DVec3,
+}
+
+impl DirectionPair {
+    /// A pair of unit directions.
+    pub fn new(wi: DVec3, wo: DVec3) -> Self {
+        Self { wi, wo }
+    }
+
+    /// A pair from polar angles and azimuths in radians; see [`spherical_direction`].
+    pub fn from_angles(theta_i: f64, phi_i: f64, theta_o: f64, phi_o: f64) -> Self {
+        Self::new(spherical_direction(theta_i, phi_i), spherical_direction(theta_o, phi_o))
+    }
+
+    /// The pair with light and viewer exchanged (Helmholtz reciprocity).
+    pub fn swapped(&self) -> Self {
+        Self::new(self.wo, self.wi)
+    }
+
+    /// Both directions turned about the normal by `phi` radians.
+    pub fn rotated_about_normal(&self, phi: f64) -> Self {
+        let (sin, cos) = phi.sin_cos();
+        let turn = |w: DVec3| DVec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z);
+        Self::new(turn(self.wi), turn(self.wo))
+    }
+
+    /// Both directions are finite and on the upper side of the surface, z ≥ 0.
+    pub fn is_above_horizon(&self) -> bool {
+        self.wi.is_finite() && self.wo.is_finite() && self.wi.z >= 0.0 && self.wo.z >= 0.0
+    }
+
+    /// The unit half vector, norm(wi + wo).
+    ///
+    /// Two opposite directions have none: they both lie on the horizon, and the normal stands in,
+    /// about which they mirror each other.
+    pub fn half(&self) -> DVec3 {
+        (self.wi + self.wo).try_normalize().unwrap_or(DVec3::Z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_polar_angle_is_the_far_side() {
+        let near = spherical_direction(-0.3, 0.2);
+        let far = spherical_direction(0.3, 0.2 + PI);
+        assert!(near.distance(far) < 1e-15, "{near} against {far}");
+    }
+
+    #[test]
+    fn opposite_directions_have_the_normal_as_half_vector() {
+        let pair = DirectionPair::new(DVec3::X, DVec3::NEG_X);
+        assert_eq!(pair.half(), DVec3::Z);
+    }
+
+    #[test]
+    fn azimuths_wrap_to_the_half_open_turn() {
+        assert!((wrap_azimuth(1.5 * PI) + 0.5 * PI).abs() < 1e-15);
+        assert!((wrap_azimuth(-PI) - PI).abs() < 1e-15);
+        assert!((wrap_azimuth(PI) - PI).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,80 @@
+//! The half/difference parametrization of Rusinkiewicz.
+//!
+//! Source: S. Rusinkiewicz, "A New Change of Variables for Efficient BRDF Representation", 1998;
+//! inverse as in Barla, Belcour and Pacanowski 2015, Eq. 1 and 2.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::DVec3;
+
+use crate::direction::{DirectionPair, azimuth, polar_angle, spherical_direction, wrap_azimuth};
+
+/// Angles of the half vector, and of `wi` in the frame whose pole is the half vector; radians.
+///
+/// Where `theta_h` = 0, `phi_h` is 0. Where `wi` = `wo`, `theta_d` = 0 and `phi_d` is 0. Opposite
+/// directions take the normal as half vector ([`DirectionPair::half`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfDifference {
+    /// Angle between half vector and normal, [0, π/2].
+    pub theta_h: f64,
+    /// Azimuth of the half vector.
+    pub phi_h: f64,
+    /// Angle between half vector and `wi`, [0, π/2].
+    pub theta_d: f64,
+    /// Azimuth of `wi` about the half vector.
+    pub phi_d: f64,
+}
+
+impl HalfDifference {
+    /// Angles of a pair: d = rot(b, −theta_h) rot(n, −phi_h) wi.
+    pub fn from_pair(pair: &DirectionPair) -> Self {
+        let half = pair.half();
+        let theta_h = polar_angle(half);
+        let phi_h = azimuth(half);
+        let (sin_h, cos_h) = theta_h.sin_cos();
+        let (sin_p, cos_p) = phi_h.sin_cos();
+        let wi = pair.wi;
+        let along = cos_p * wi.x + sin_p * wi.y;
+        let difference = DVec3::new(
+            cos_h * along - sin_h * wi.z,
+            cos_p * wi.y - sin_p * wi.x,
+            sin_h * along + cos_h * wi.z,
+        );
+        Self { theta_h, phi_h, theta_d: polar_angle(difference), phi_d: azimuth(difference) }
+    }
+
+    /// The pair at these angles; one of its directions may lie below the horizon, which
+    /// [`HalfDifference::is_in_domain`] tells.
+    pub fn to_pair(&self) -> DirectionPair {
+        let half = spherical_direction(self.theta_h, self.phi_h);
+        let d = spherical_direction(self.theta_d, self.phi_d);
+        let (sin_h, cos_h) = self.theta_h.sin_cos();
+        let (sin_p, cos_p) = self.phi_h.sin_cos();
+        let along = cos_h * d.x + sin_h * d.z;
+        let wi = DVec3::new(
+            cos_p * along - sin_p * d.y,
+            sin_p * along + cos_p * d.y,
+            cos_h * d.z - sin_h * d.x,
+        );
+        let wo = 2.0 * wi.dot(half) * half - wi;
+        DirectionPair::new(wi, wo)
+    }
+
+    /// The angles are in range and both directions lie above the horizon.
+    pub fn is_in_domain(&self) -> bool {
+        let quarter_turn = 0.0..=FRAC_PI_2;
+        quarter_turn.contains(&self.theta_h)
+            && quarter_turn.contains(&self.theta_d)
+            && self.to_pair().is_above_horizon()
+    }
+
+    /// Light and viewer exchanged: `phi_d` + π.
+    pub fn reciprocal(&self) -> Self {
+        Self { phi_d: wrap_azimuth(self.phi_d + PI), ..*self }
+    }
+
+    /// The same configuration turned about the normal so that `phi_h` = 0.
+    pub fn isotropic(&self) -> Self {
+        Self { phi_h: 0.0, ..*self }
+    }
+}

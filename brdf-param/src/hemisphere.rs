@@ -1,0 +1,100 @@
+//! Maps of the upper hemisphere to the plane and back.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use crate::direction::{azimuth, polar_angle, spherical_direction};
+
+/// A map between unit directions of the upper hemisphere and points of a plane domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum HemisphereMap {
+    /// (theta, phi) in radians, [0, π/2] × (−π, π].
+    Spherical,
+    /// Paraboloid coordinates `(x, y) / (1 + z)` in the unit disc; radius tan(theta/2).
+    ///
+    /// Source: Heidrich and Seidel 1998, as used by Cole 2002, section 1.1.3.
+    Parabolic,
+    /// Orthographic projection `(x, y)` in the unit disc; radius sin(theta).
+    ///
+    /// Source: Wang, Tran and Luebke 2004, Eq. 7, without their shift to [0, 1].
+    OrthographicDisc,
+    /// `(phi / 2π + ½, √(1 − z))` in the unit square; the first coordinate wraps around.
+    ///
+    /// Source: Wang, Tran and Luebke 2004, Eq. 8, whose arctangent is scaled here to a turn and
+    /// measured from the tangent.
+    Polar,
+}
+
+impl HemisphereMap {
+    /// All maps.
+    pub const ALL: [Self; 4] =
+        [Self::Spherical, Self::Parabolic, Self::OrthographicDisc, Self::Polar];
+
+    /// The point of a unit direction with z ≥ 0. The azimuth of the pole is 0.
+    pub fn encode(self, direction: DVec3) -> DVec2 {
+        match self {
+            Self::Spherical => DVec2::new(polar_angle(direction), azimuth(direction)),
+            Self::Parabolic => direction.truncate() / (1.0 + direction.z),
+            Self::OrthographicDisc => direction.truncate(),
+            Self::Polar => {
+                DVec2::new(azimuth(direction) / TAU + 0.5, one_minus_cos(direction).sqrt())
+            }
+        }
+    }
+
+    /// The unit direction of a point, or `None` outside the domain or where it is not finite.
+    ///
+    /// Azimuths are taken modulo a turn.
+    pub fn decode(self, point: DVec2) -> Option<DVec3> {
+        if !point.is_finite() {
+            return None;
+        }
+        match self {
+            Self::Spherical => {
+                (0.0..=FRAC_PI_2).contains(&point.x).then(|| spherical_direction(point.x, point.y))
+            }
+            Self::Parabolic => {
+                let radius_sq = point.length_squared();
+                (radius_sq <= 1.0)
+                    .then(|| (2.0 * point).extend(1.0 - radius_sq) / (1.0 + radius_sq))
+            }
+            Self::OrthographicDisc => {
+                let radius_sq = point.length_squared();
+                (radius_sq <= 1.0).then(|| point.extend((1.0 - radius_sq).sqrt()))
+            }
+            Self::Polar => (0.0..=1.0).contains(&point.y).then(|| {
+                let cos_theta = 1.0 - point.y * point.y;
+                let sin_theta = point.y * (1.0 + cos_theta).sqrt();
+                let (sin_phi, cos_phi) = (TAU * (point.x - 0.5)).sin_cos();
+                DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
+            }),
+        }
+    }
+
+    /// Solid angle per unit of area at a point of the domain, dω/dA in steradians.
+    ///
+    /// Infinite on the rim of the orthographic disc, where a sliver of area is a whole band.
+    pub fn solid_angle_density(self, point: DVec2) -> f64 {
+        match self {
+            Self::Spherical => point.x.sin(),
+            Self::Parabolic => 4.0 / (1.0 + point.length_squared()).powi(2),
+            Self::OrthographicDisc => 1.0 / (1.0 - point.length_squared()).max(0.0).sqrt(),
+            Self::Polar => 2.0 * TAU * point.y,
+        }
+    }
+
+    /// Area of the domain in its own units.
+    pub fn domain_area(self) -> f64 {
+        match self {
+            Self::Spherical => PI * PI,
+            Self::Parabolic | Self::OrthographicDisc => PI,
+            Self::Polar => 1.0,
+        }
+    }
+}
+
+/// 1 − z without cancellation near the pole.
+fn one_minus_cos(direction: DVec3) -> f64 {
+    direction.truncate().length_squared() / (1.0 + direction.z)
+}
