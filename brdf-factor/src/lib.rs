@@ -1,1 +1,44 @@
-//! x
+//! Homomorphic factorization: a BRDF as a product of small textures,
+//! f(wi, wo) ≈ Π p_j(π_j(wi, wo)), solved as a linear least-squares problem for log p_j.
+//!
+//! The coordinates π_j are given here; searching for them is another crate's work. Source: McCool,
+//! Ang and Ahmad 2001; Cole 2002, chapter 3.
+//!
+//! ```
+//! use brdf_factor::{FactorParams, FactorSpec, factorize};
+//! use brdf_model::{Channels, PairSampling, Preset, SampleSet, log_offsets, measure};
+//!
+//! let paint = Preset::find("lafortune-blue-paint").expect("a preset").brdf();
+//! let params = FactorParams { texture_size: 8, ..FactorParams::default() };
+//! let sampling = PairSampling { count: 4_000, seed: 1, theta_max: params.theta_max };
+//! let samples = SampleSet::draw(&paint, &sampling, Channels::Luminance);
+//! let fit = factorize(&samples, &FactorSpec::mccool(true), &params)?;
+//! let errors = measure(&samples, &fit.model, &log_offsets(&samples));
+//! assert!(errors.log.mean_square < 0.1);
+//! # Ok::<(), brdf_factor::FactorError>(())
+//! ```
+
+mod batch;
+mod coordinate;
+mod error;
+mod factored;
+mod factorization;
+mod grid;
+mod linear_system;
+mod log_map;
+mod lsmr;
+mod qmr;
+mod solver;
+mod sparse_rows;
+mod validation;
+
+pub use coordinate::{Coordinate, FactorSpec};
+pub use error::FactorError;
+pub use factored::{EvalCounts, Factor, FactoredBrdf};
+pub use factorization::{FactorParams, Fit, TermSolve, Weight, factorize, factorize_terms};
+pub use grid::Grid;
+pub use linear_system::{LinearSystem, Smoothing};
+pub use log_map::{ChannelMap, LogMap};
+pub use solver::{Solution, Solver};
+pub use sparse_rows::SparseRows;
+pub use validation::{CrossValidation, cross_validate};

@@ -21,6 +21,8 @@ pub struct Dropped {
     pub negative: usize,
     /// A tabulated material has no valid data there.
     pub no_data: usize,
+    /// A channel is exactly zero and a plain logarithm was asked for.
+    pub zero: usize,
 }
 
 impl Dropped {
@@ -31,6 +33,7 @@ impl Dropped {
             + self.not_finite
             + self.negative
             + self.no_data
+            + self.zero
     }
 }
 
@@ -39,12 +42,13 @@ impl fmt::Display for Dropped {
         write!(
             f,
             "{} below the horizon, {} beyond the grazing limit, {} not finite, {} negative, {} \
-             without data",
+             without data, {} zero under a plain logarithm",
             self.below_horizon,
             self.beyond_grazing_limit,
             self.not_finite,
             self.negative,
-            self.no_data
+            self.no_data,
+            self.zero
         )
     }
 }
@@ -144,6 +148,18 @@ impl SampleSet {
     /// What was left out so far.
     pub fn dropped(&self) -> Dropped {
         self.dropped
+    }
+
+    /// The samples whose channels are all positive, for logarithms without an offset; the others
+    /// are counted.
+    pub fn positive(&self) -> Self {
+        let keep: Vec<usize> = (0..self.len())
+            .filter(|&i| self.values.iter().all(|channel| channel[i] > 0.0))
+            .collect();
+        let mut kept = self.subset(&keep);
+        kept.dropped = self.dropped;
+        kept.dropped.zero += self.len() - keep.len();
+        kept
     }
 
     /// The pair at `index`.

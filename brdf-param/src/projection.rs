@@ -81,8 +81,9 @@ pub enum Bound {
     Cube,
 }
 
-/// Two orthonormal rows of four numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Two orthonormal rows of four numbers; in files, a list of two lists.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "[[f64; 4]; 2]", into = "[[f64; 4]; 2]")]
 pub struct Projection {
     rows: [DVec4; 2],
 }
@@ -94,7 +95,9 @@ impl Projection {
     pub const SECOND: Self = Self { rows: [DVec4::Z, DVec4::W] };
 
     /// The projection onto the plane of two independent rows: they are made orthonormal in order
-    /// (Gram–Schmidt), which moves texels but not what the texture can express.
+    /// (Gram–Schmidt), which moves texels but not what the texture can express. Rows that already
+    /// are orthonormal to rounding are taken as they come, so that stored projections return
+    /// unchanged.
     ///
     /// # Errors
     ///
@@ -105,6 +108,10 @@ impl Projection {
             if let Some(&value) = values.iter().find(|v| !v.is_finite()) {
                 return Err(ParamError::NotFinite { row, value });
             }
+        }
+        let rows = [DVec4::from_array(first), DVec4::from_array(second)];
+        if are_orthonormal(rows) {
+            return Ok(Self { rows });
         }
         let dependent = ParamError::DependentRows { first, second };
         let a = unit_row(first).ok_or(dependent.clone())?;
@@ -210,6 +217,25 @@ impl ScaledProjection {
             })
         };
         convex_hull(&(0..RIM_POINTS).map(support).collect::<Vec<_>>())
+    }
+}
+
+fn are_orthonormal([a, b]: [DVec4; 2]) -> bool {
+    let off = [a.length_squared() - 1.0, b.length_squared() - 1.0, a.dot(b)];
+    off.iter().all(|v| v.abs() <= 1e-14)
+}
+
+impl TryFrom<[[f64; 4]; 2]> for Projection {
+    type Error = ParamError;
+
+    fn try_from([first, second]: [[f64; 4]; 2]) -> Result<Self, ParamError> {
+        Self::from_rows(first, second)
+    }
+}
+
+impl From<Projection> for [[f64; 4]; 2] {
+    fn from(projection: Projection) -> Self {
+        projection.rows.map(|row| row.to_array())
     }
 }
 

@@ -1,0 +1,360 @@
+//! Evaluation of many pairs at once, in f32 and in tiles that the compiler can vectorise.
+//!
+//! Three loops a tile: texture coordinates (arithmetic over arrays), texels (four channels in one
+//! load, the only step that cannot be laid out in arrays), and the inverse log map (arithmetic
+//! again). No fused multiply–add, so that every instruction set gives the same bits.
+
+use brdf_model::{DirectionBatch, RgbBatch};
+
+use crate::coordinate::{Radial, Reading};
+use crate::{ChannelMap, FactoredBrdf};
+use brdf_param::Space;
+
+/// Pairs per tile: all scratch arrays together stay within the first-level cache.
+const TILE: usize = 64;
+
+type Lane = [f32; TILE];
+
+/// A coordinate with its scale folded in, ready to give texel positions.
+struct Reader<'a> {
+    source: Source,
+    /// Texels along each side.
+    size: usize,
+    texels: &'a [[f32; 4]],
+}
+
+enum Source {
+    /// Positions are rows · coordinates + centre.
+    Planar {
+        space: Space,
+        rows: [[f32; 4]; 2],
+        centre: f32,
+    },
+    Radial {
+        radial: Radial,
+        scale: f32,
+    },
+}
+
+/// Scratch of one tile.
+struct Tile {
+    wi: [Lane; 3],
+    wo: [Lane; 3],
+    half: [Lane; 3],
+    standard: [Lane; 4],
+    half_difference: [Lane; 4],
+    column: Lane,
+    row: Lane,
+    sums: [[f32; 4]; TILE],
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "this evaluator works in f32 throughout")]
+fn narrow(value: f64) -> f32 {
+    value as f32
+}
+
+pub(crate) fn evaluate(model: &FactoredBrdf, pairs: &DirectionBatch, out: &mut RgbBatch) {
+    out.resize(pairs.len());
+    let readers = readers(model);
+    // The widest vectors of the machine that runs this, chosen at run time.
+    pulp::Arch::new().dispatch(|| run(model, &readers, pairs, out));
+}
+
+fn readers(model: &FactoredBrdf) -> Vec<Reader<'_>> {
+    let factors = model.factors().iter();
+    factors
+        .flat_map(|factor| {
+            factor.coordinates().iter().map(move |coordinate| {
+                let size = factor.grid().size;
+                #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels")]
+                let last = (size - 1) as f64;
+                let extent = factor.extent();
+                let source = match coordinate.reading() {
+                    Reading::Radial(radial) => {
+                        Source::Radial { radial, scale: narrow(last / extent.x) }
+                    }
+                    Reading::Planar(plane) => Source::Planar {
+                        space: plane.space,
+                        rows: plane
+                            .projection
+                            .scaled_by(extent)
+                            .rows()
+                            .map(|row| (row * (0.5 * last)).to_array().map(narrow)),
+                        centre: narrow(0.5 * last),
+                    },
+                };
+                Reader { source, size, texels: factor.texels() }
+            })
+        })
+        .collect()
+}
+
+#[inline(always)]
+fn run(model: &FactoredBrdf, readers: &[Reader<'_>], pairs: &DirectionBatch, out: &mut RgbBatch) {
+    let needs = |wanted: Space| {
+        readers.iter().any(|r| matches!(r.source, Source::Planar { space, .. } if space == wanted))
+    };
+    let needs_half = readers.iter().any(|r| {
+        !matches!(
+            r.source,
+            Source::Planar { space: Space::Standard, .. }
+                | Source::Radial { radial: Radial::Wi | Radial::Wo, .. }
+        )
+    });
+    // Fixed half-vector coordinates leave the difference vector's columns at zero.
+    let needs_difference = readers.iter().any(|r| {
+        matches!(
+            &r.source,
+            Source::Planar { space: Space::HalfDifference, rows, .. }
+                if rows.iter().any(|row| row[2] != 0.0 || row[3] != 0.0)
+        )
+    });
+    let (sin_max, cos_max) = model.theta_max().sin_cos();
+    let mut tile = Tile {
+        wi: [[0.0; TILE]; 3],
+        wo: [[0.0; TILE]; 3],
+        half: [[0.0; TILE]; 3],
+        standard: [[0.0; TILE]; 4],
+        half_difference: [[0.0; TILE]; 4],
+        column: [0.0; TILE],
+        row: [0.0; TILE],
+        sums: [[0.0; 4]; TILE],
+    };
+    let mut start = 0;
+    while start < pairs.len() {
+        let len = TILE.min(pairs.len() - start);
+        for axis in 0..3 {
+            tile.wi[axis][..len].copy_from_slice(&pairs.wi[axis][start..start + len]);
+            tile.wo[axis][..len].copy_from_slice(&pairs.wo[axis][start..start + len]);
+        }
+        // The tail of the last tile repeats harmless directions.
+        for lane in len..TILE {
+            for axis in 0..3 {
+                tile.wi[axis][lane] = f32::from(u8::from(axis == 2));
+                tile.wo[axis][lane] = f32::from(u8::from(axis == 2));
+            }
+        }
+        pull_back(&mut tile.wi, narrow(sin_max), narrow(cos_max));
+        pull_back(&mut tile.wo, narrow(sin_max), narrow(cos_max));
+        if needs(Space::Standard) {
+            standard_coordinates(&mut tile);
+        }
+        if needs_half {
+            half_coordinates(&mut tile);
+            if needs_difference {
+                difference_coordinates(&mut tile);
+            }
+        }
+        tile.sums = [[0.0; 4]; TILE];
+        for reader in readers {
+            positions(&mut tile, &reader.source);
+            accumulate(&mut tile, reader);
+        }
+        finish(&tile, model.maps(), pairs, start, len, out);
+        start += len;
+    }
+}
+
+#[inline(always)]
+fn pull_back(w: &mut [Lane; 3], sin_max: f32, cos_max: f32) {
+    for lane in 0..TILE {
+        let (x, y, z) = (w[0][lane], w[1][lane], w[2][lane]);
+        let scale = sin_max / (x * x + y * y).max(1e-30).sqrt();
+        let beyond = z < cos_max;
+        w[0][lane] = if beyond { x * scale } else { x };
+        w[1][lane] = if beyond { y * scale } else { y };
+        w[2][lane] = if beyond { cos_max } else { z };
+    }
+}
+
+#[inline(always)]
+fn standard_coordinates(tile: &mut Tile) {
+    for lane in 0..TILE {
+        let (i, o) = (1.0 / (1.0 + tile.wi[2][lane]), 1.0 / (1.0 + tile.wo[2][lane]));
+        tile.standard[0][lane] = tile.wi[0][lane] * i;
+        tile.standard[1][lane] = tile.wi[1][lane] * i;
+        tile.standard[2][lane] = tile.wo[0][lane] * o;
+        tile.standard[3][lane] = tile.wo[1][lane] * o;
+    }
+}
+
+#[inline(always)]
+fn half_coordinates(tile: &mut Tile) {
+    for lane in 0..TILE {
+        let x = tile.wi[0][lane] + tile.wo[0][lane];
+        let y = tile.wi[1][lane] + tile.wo[1][lane];
+        let z = tile.wi[2][lane] + tile.wo[2][lane];
+        let scale = 1.0 / (x * x + y * y + z * z).max(1e-30).sqrt();
+        let (x, y, z) = (x * scale, y * scale, z * scale);
+        let disc = 1.0 / (1.0 + z);
+        tile.half[0][lane] = x;
+        tile.half[1][lane] = y;
+        tile.half[2][lane] = z;
+        tile.half_difference[0][lane] = x * disc;
+        tile.half_difference[1][lane] = y * disc;
+    }
+}
+
+/// d = (r·wi, s·wi, h·wi) with s = (0, hz, −hy)/√(hy² + hz²) and r = s × h.
+#[inline(always)]
+fn difference_coordinates(tile: &mut Tile) {
+    for lane in 0..TILE {
+        let [hx, hy, hz] = [tile.half[0][lane], tile.half[1][lane], tile.half[2][lane]];
+        let [x, y, z] = [tile.wi[0][lane], tile.wi[1][lane], tile.wi[2][lane]];
+        let sine = (hy * hy + hz * hz).max(1e-30).sqrt();
+        let inverse = 1.0 / sine;
+        let in_plane = (hy * y + hz * z) * inverse;
+        let along = hx * x + hy * y + hz * z;
+        let r = sine * x - hx * in_plane;
+        let s = (hz * y - hy * z) * inverse;
+        let disc = 1.0 / (1.0 + along);
+        tile.half_difference[2][lane] = r * disc;
+        tile.half_difference[3][lane] = s * disc;
+    }
+}
+
+/// Texel positions of all lanes.
+#[inline(always)]
+fn positions(tile: &mut Tile, source: &Source) {
+    match source {
+        Source::Planar { space, rows, centre } => {
+            let point = match space {
+                Space::Standard => &tile.standard,
+                Space::HalfDifference => &tile.half_difference,
+            };
+            for (out, row) in [(&mut tile.column, &rows[0]), (&mut tile.row, &rows[1])] {
+                for lane in 0..TILE {
+                    out[lane] = centre
+                        + (row[0] * point[0][lane] + row[1] * point[1][lane])
+                        + (row[2] * point[2][lane] + row[3] * point[3][lane]);
+                }
+            }
+        }
+        Source::Radial { radial, scale } => {
+            let w = match radial {
+                Radial::Wi => &tile.wi,
+                Radial::Wo => &tile.wo,
+                Radial::H => &tile.half,
+            };
+            for lane in 0..TILE {
+                let (x, y) = (w[0][lane], w[1][lane]);
+                tile.column[lane] = scale * (x * x + y * y).sqrt();
+            }
+        }
+    }
+}
+
+/// Adds a reader's interpolated texels to the sums.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "positions are clamped to textures of at most 1024 texels a side"
+)]
+fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
+    let last_cell = (reader.size - 2) as f32;
+    let cell = |position: f32| {
+        let inside = position.max(0.0).min(last_cell + 1.0);
+        let low = inside.floor().min(last_cell);
+        (low, inside - low)
+    };
+    let planar = matches!(reader.source, Source::Planar { .. });
+    let mut corners = [0_u32; TILE];
+    let (mut us, mut vs) = ([0.0; TILE], [0.0; TILE]);
+    for lane in 0..TILE {
+        let (column, u) = cell(tile.column[lane]);
+        let (row, v) = if planar { cell(tile.row[lane]) } else { (0.0, 0.0) };
+        corners[lane] = (row * reader.size as f32 + column) as i32 as u32;
+        us[lane] = u;
+        vs[lane] = v;
+    }
+    let stride = if planar { reader.size } else { 0 };
+    for lane in 0..TILE {
+        let corner = corners[lane] as usize;
+        let (u, v) = (us[lane], vs[lane]);
+        let [Some(below), Some(above)] =
+            [corner, corner + stride].map(|at| reader.texels.get(at..at + 2))
+        else {
+            continue;
+        };
+        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+        let sum = &mut tile.sums[lane];
+        for channel in 0..4 {
+            sum[channel] += (weights[0] * below[0][channel] + weights[1] * below[1][channel])
+                + (weights[2] * above[0][channel] + weights[3] * above[1][channel]);
+        }
+    }
+}
+
+/// Inverse log map, clamp at 0, and 0 where a direction is not above the surface.
+#[inline(always)]
+fn finish(
+    tile: &Tile,
+    maps: &[ChannelMap],
+    pairs: &DirectionBatch,
+    start: usize,
+    len: usize,
+    out: &mut RgbBatch,
+) {
+    let mut lit = [0.0_f32; TILE];
+    let (zi, zo) = (&pairs.wi[2][start..start + len], &pairs.wo[2][start..start + len]);
+    for ((lit, &i), &o) in lit.iter_mut().zip(zi).zip(zo) {
+        *lit = f32::from(u8::from(i > 0.0 && o > 0.0));
+    }
+    let mut values = [[0.0_f32; TILE]; 3];
+    for (channel, map) in maps.iter().enumerate() {
+        // f = scale · e^x + shift in every case.
+        let (scale, shift) = match *map {
+            ChannelMap::Offset { a } => (1.0, -narrow(a)),
+            ChannelMap::Log => (1.0, 0.0),
+            ChannelMap::Highlight { a } => (-1.0, narrow(a)),
+            ChannelMap::Zero => (0.0, 0.0),
+        };
+        for lane in 0..TILE {
+            let value = scale * exp(tile.sums[lane][channel]) + shift;
+            values[channel][lane] = value.max(0.0) * lit[lane];
+        }
+    }
+    let source = |channel: usize| &values[if maps.len() == 1 { 0 } else { channel }][..len];
+    out.r[start..start + len].copy_from_slice(source(0));
+    out.g[start..start + len].copy_from_slice(source(1));
+    out.b[start..start + len].copy_from_slice(source(2));
+}
+
+/// e^x to 2 units in the last place, for |x| ≤ 87; beyond, it saturates.
+///
+/// x = n ln 2 + r with |r| ≤ ln 2 / 2, e^r by its Taylor polynomial of degree 7 (remainder 5e-9),
+/// 2ⁿ by its bits.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "n lies in −126 … 127 after the clamp"
+)]
+fn exp(x: f32) -> f32 {
+    // ln 2 in two parts, the first with few enough bits that n times it is exact.
+    const LN_2_HIGH: f32 = 0.693_359_4;
+    const LN_2_LOW: f32 = -0.000_212_194_44;
+    let x = x.clamp(-87.0, 87.0);
+    let n = (x * std::f32::consts::LOG2_E + 0.5).floor();
+    let r = (x - n * LN_2_HIGH) - n * LN_2_LOW;
+    let tail = 1.0 / 120.0 + r * (1.0 / 720.0 + r * (1.0 / 5040.0));
+    let e = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * (1.0 / 24.0 + r * tail))));
+    e * f32::from_bits(((n as i32 + 127) as u32) << 23)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::exp;
+
+    #[test]
+    fn the_exponential_is_good_to_rounding() {
+        for step in -8000..=8000_i16 {
+            let x = f32::from(step) * 0.01;
+            let exact = f64::from(x).exp();
+            let error = (f64::from(exp(x)) - exact).abs() / exact;
+            assert!(error < 2.4e-7, "{error} at {x}");
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! Where a factor looks a direction pair up in its texture.
+
+use brdf_param::{
+    Bound, DirectionPair, DiscRadii, HemisphereMap, KautzMcCool, Projection, ScaledProjection,
+    Space,
+};
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// A map from direction pairs to texture coordinates, before scaling.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Coordinate {
+    /// Parabolic coordinates of the direction to the light.
+    Wi,
+    /// Parabolic coordinates of the direction to the viewer.
+    Wo,
+    /// Parabolic coordinates of the half vector.
+    H,
+    /// Parabolic coordinates of the difference vector in the frame of the tangent.
+    D,
+    /// |wi⊥|, the length of the light direction's part in the tangent plane; one-dimensional.
+    RadialWi,
+    /// |wo⊥|; one-dimensional.
+    RadialWo,
+    /// |h⊥| of the unit half vector; one-dimensional.
+    RadialH,
+    /// A linear projection of the parabolic coordinates of a space.
+    Projected {
+        /// What is projected.
+        space: Space,
+        /// The plane.
+        projection: Projection,
+    },
+}
+
+/// What a two-dimensional coordinate amounts to: a projection in a space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plane {
+    pub(crate) space: Space,
+    pub(crate) projection: Projection,
+    /// Fixed coordinates fill a disc; projections an image of four dimensions.
+    pub(crate) fixed: Option<HalfOfSpace>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HalfOfSpace {
+    First,
+    Second,
+}
+
+/// The radial coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Radial {
+    Wi,
+    Wo,
+    H,
+}
+
+/// Either kind of coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reading {
+    Planar(Plane),
+    Radial(Radial),
+}
+
+impl Coordinate {
+    /// 1 for radial coordinates, else 2.
+    pub fn dimensions(&self) -> usize {
+        match self {
+            Self::RadialWi | Self::RadialWo | Self::RadialH => 1,
+            _ => 2,
+        }
+    }
+
+    /// The coordinate that gives, for a pair, what this one gives for the swapped pair.
+    pub fn reciprocal_conjugate(&self) -> Self {
+        match *self {
+            Self::Wi => Self::Wo,
+            Self::Wo => Self::Wi,
+            Self::RadialWi => Self::RadialWo,
+            Self::RadialWo => Self::RadialWi,
+            Self::H => Self::H,
+            Self::RadialH => Self::RadialH,
+            Self::D => Self::Projected {
+                space: Space::HalfDifference,
+                projection: Projection::SECOND.reciprocal_conjugate(Space::HalfDifference),
+            },
+            Self::Projected { space, projection } => {
+                Self::Projected { space, projection: projection.reciprocal_conjugate(space) }
+            }
+        }
+    }
+
+    pub(crate) fn reading(&self) -> Reading {
+        let fixed = |space, projection, half| {
+            Reading::Planar(Plane { space, projection, fixed: Some(half) })
+        };
+        match *self {
+            Self::Wi => fixed(Space::Standard, Projection::FIRST, HalfOfSpace::First),
+            Self::Wo => fixed(Space::Standard, Projection::SECOND, HalfOfSpace::Second),
+            Self::H => fixed(Space::HalfDifference, Projection::FIRST, HalfOfSpace::First),
+            Self::D => fixed(Space::HalfDifference, Projection::SECOND, HalfOfSpace::Second),
+            Self::RadialWi => Reading::Radial(Radial::Wi),
+            Self::RadialWo => Reading::Radial(Radial::Wo),
+            Self::RadialH => Reading::Radial(Radial::H),
+            Self::Projected { space, projection } => {
+                Reading::Planar(Plane { space, projection, fixed: None })
+            }
+        }
+    }
+
+    /// The radii that a pair contributes to the domain of this coordinate.
+    pub(crate) fn radii(&self, pair: &DirectionPair) -> DiscRadii {
+        let parabolic = |w| HemisphereMap::Parabolic.encode(w).length();
+        let both = |radius| DiscRadii { first: radius, second: radius };
+        match self.reading() {
+            Reading::Radial(radial) => both(radial.value(pair)),
+            Reading::Planar(Plane { fixed: Some(half), space, .. }) => both(match (space, half) {
+                (Space::Standard, HalfOfSpace::First) => parabolic(pair.wi),
+                (Space::Standard, HalfOfSpace::Second) => parabolic(pair.wo),
+                (Space::HalfDifference, HalfOfSpace::First) => parabolic(pair.half()),
+                (Space::HalfDifference, HalfOfSpace::Second) => {
+                    KautzMcCool::from_pair(pair).d.length()
+                }
+            }),
+            Reading::Planar(Plane { fixed: None, space, .. }) => {
+                let at = space.coordinates(pair);
+                DiscRadii { first: at.first.length(), second: at.second.length() }
+            }
+        }
+    }
+
+    /// Half the extent of the coordinate's image, by which it is divided.
+    pub(crate) fn extent(&self, bound: Bound, radii: DiscRadii) -> DVec2 {
+        match self.reading() {
+            Reading::Planar(Plane { fixed: None, projection, .. }) => {
+                projection.extent(bound, radii)
+            }
+            // One disc: its radius, or 1 for the loose bound.
+            _ => DVec2::splat(match bound {
+                Bound::Disc => radii.first,
+                Bound::Cube => 1.0,
+            }),
+        }
+    }
+
+    /// The outline of the scaled image of a two-dimensional coordinate; empty for radial ones.
+    pub(crate) fn image(&self, bound: Bound, radii: DiscRadii, extent: DVec2) -> Vec<DVec2> {
+        match self.reading() {
+            Reading::Radial(_) => Vec::new(),
+            Reading::Planar(Plane { fixed: None, projection, .. }) => {
+                projection.scaled_by(extent).image_polygon(bound, radii)
+            }
+            Reading::Planar(Plane { projection, .. }) => {
+                let radius = match bound {
+                    Bound::Disc => radii.first,
+                    Bound::Cube => 1.0,
+                };
+                let disc = DiscRadii { first: radius, second: radius };
+                projection.scaled_by(extent).image_polygon(Bound::Disc, disc)
+            }
+        }
+    }
+
+    /// Texture coordinates of a pair: [−1, 1]² for planar coordinates; ([0, 1], 0) for radial ones.
+    pub(crate) fn locate(&self, pair: &DirectionPair, extent: DVec2) -> DVec2 {
+        match self.reading() {
+            Reading::Radial(radial) => DVec2::new(radial.value(pair) / extent.x, 0.0),
+            Reading::Planar(Plane { fixed: None, space, projection }) => {
+                let scaled: ScaledProjection = projection.scaled_by(extent);
+                scaled.apply(space.coordinates(pair))
+            }
+            Reading::Planar(Plane { fixed: Some(half), space, .. }) => {
+                let point = match (space, half) {
+                    (Space::Standard, HalfOfSpace::First) => {
+                        HemisphereMap::Parabolic.encode(pair.wi)
+                    }
+                    (Space::Standard, HalfOfSpace::Second) => {
+                        HemisphereMap::Parabolic.encode(pair.wo)
+                    }
+                    (Space::HalfDifference, HalfOfSpace::First) => {
+                        HemisphereMap::Parabolic.encode(pair.half())
+                    }
+                    (Space::HalfDifference, HalfOfSpace::Second) => KautzMcCool::from_pair(pair).d,
+                };
+                point / extent
+            }
+        }
+    }
+}
+
+impl Radial {
+    fn value(self, pair: &DirectionPair) -> f64 {
+        match self {
+            Self::Wi => pair.wi.truncate().length(),
+            Self::Wo => pair.wo.truncate().length(),
+            Self::H => pair.half().truncate().length(),
+        }
+    }
+}
+
+/// A factor to be fitted: the coordinates that share its texture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FactorSpec {
+    /// At least one, all of the same dimension.
+    pub coordinates: Vec<Coordinate>,
+}
+
+impl FactorSpec {
+    /// A factor with one coordinate.
+    pub fn single(coordinate: Coordinate) -> Self {
+        Self { coordinates: vec![coordinate] }
+    }
+
+    /// A factor whose coordinate shares its texture with its reciprocal conjugate, so that it
+    /// cannot tell light from viewer. A coordinate that is its own conjugate stays alone.
+    pub fn reciprocal(coordinate: Coordinate) -> Self {
+        let conjugate = coordinate.reciprocal_conjugate();
+        if conjugate == coordinate {
+            Self::single(coordinate)
+        } else {
+            Self { coordinates: vec![coordinate, conjugate] }
+        }
+    }
+
+    fn new(coordinate: Coordinate, reciprocal: bool) -> Self {
+        if reciprocal { Self::reciprocal(coordinate) } else { Self::single(coordinate) }
+    }
+
+    /// McCool's p(wi) · q(h) · p(wo); three textures unless `reciprocal`.
+    ///
+    /// Source: McCool, Ang and Ahmad 2001.
+    pub fn mccool(reciprocal: bool) -> Vec<Self> {
+        Self::around_half([Coordinate::Wi, Coordinate::H, Coordinate::Wo], reciprocal)
+    }
+
+    /// The radial factors p(|wi⊥|) · q(|h⊥|) · p(|wo⊥|) of an isotropic material; three textures
+    /// unless `reciprocal`.
+    ///
+    /// Source: Jaroszkiewicz and McCool 2003.
+    pub fn radial(reciprocal: bool) -> Vec<Self> {
+        let coordinates = [Coordinate::RadialWi, Coordinate::RadialH, Coordinate::RadialWo];
+        Self::around_half(coordinates, reciprocal)
+    }
+
+    fn around_half([light, half, viewer]: [Coordinate; 3], reciprocal: bool) -> Vec<Self> {
+        if reciprocal {
+            vec![Self { coordinates: vec![light, viewer] }, Self::single(half)]
+        } else {
+            vec![Self::single(light), Self::single(half), Self::single(viewer)]
+        }
+    }
+
+    /// One factor for each projection of a space.
+    pub fn projections(space: Space, projections: &[Projection], reciprocal: bool) -> Vec<Self> {
+        projections
+            .iter()
+            .map(|&projection| Self::new(Coordinate::Projected { space, projection }, reciprocal))
+            .collect()
+    }
+}

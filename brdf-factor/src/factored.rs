@@ -1,0 +1,289 @@
+//! A BRDF as a product of textures, as fitted: bilinear in log texels, sum, inverse log map.
+
+use brdf_model::{Brdf, Channels, DirectionBatch, Rgb, RgbBatch};
+use brdf_param::{Bound, DirectionPair, DiscRadii};
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::batch;
+use crate::{ChannelMap, Coordinate, FactorError, Grid};
+
+/// One texture and the coordinates that read it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Factor {
+    coordinates: Vec<Coordinate>,
+    grid: Grid,
+    bound: Bound,
+    /// Largest radii of the coordinates over the training samples.
+    radii: DiscRadii,
+    /// What coordinates are divided by.
+    extent: DVec2,
+    /// Log values, row by row; channels beyond the model's own are 0. Kept in their own tensors in
+    /// files.
+    #[serde(skip)]
+    texels: Vec<[f32; 4]>,
+}
+
+impl Factor {
+    /// A factor whose texels are all 0, scaled to coordinates of these radii.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::TextureSize`]; [`FactorError::Factors`] unless there are coordinates, all of
+    /// the same dimension.
+    pub fn new(
+        coordinates: &[Coordinate],
+        size: usize,
+        bound: Bound,
+        radii: DiscRadii,
+    ) -> Result<Self, FactorError> {
+        if !Grid::SIZES.contains(&size) {
+            let (min, max) = (*Grid::SIZES.start(), *Grid::SIZES.end());
+            return Err(FactorError::TextureSize { size, min, max });
+        }
+        let Some(first) = coordinates.first() else {
+            return Err(FactorError::Factors {
+                found: "a factor without coordinates".to_owned(),
+                expected: "at least one",
+            });
+        };
+        let dimensions = first.dimensions();
+        if coordinates.iter().any(|c| c.dimensions() != dimensions) {
+            return Err(FactorError::Factors {
+                found: "a texture shared by one- and two-dimensional coordinates".to_owned(),
+                expected: "coordinates of the same dimension",
+            });
+        }
+        let grid = Grid { dimensions, size };
+        let extent = coordinates
+            .iter()
+            .map(|coordinate| coordinate.extent(bound, radii))
+            .fold(DVec2::splat(f64::MIN_POSITIVE), DVec2::max);
+        let texels = vec![[0.0; 4]; grid.texels()];
+        Ok(Self { coordinates: coordinates.to_vec(), grid, bound, radii, extent, texels })
+    }
+
+    /// The coordinates that read the texture.
+    pub fn coordinates(&self) -> &[Coordinate] {
+        &self.coordinates
+    }
+
+    /// The texel grid.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// What coordinates are divided by before they meet the grid.
+    pub fn extent(&self) -> DVec2 {
+        self.extent
+    }
+
+    /// Log values row by row, one entry per channel and the rest 0. Texels outside the mask hold
+    /// the mean of their nearest neighbours inside.
+    pub fn texels(&self) -> &[[f32; 4]] {
+        &self.texels
+    }
+
+    /// Replaces the texels.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Factors`] unless there is one for each place in the grid and all are finite.
+    pub fn set_texels(&mut self, texels: Vec<[f32; 4]>) -> Result<(), FactorError> {
+        if texels.len() != self.grid.texels() {
+            return Err(FactorError::Factors {
+                found: format!("{} texels for a grid of {}", texels.len(), self.grid.texels()),
+                expected: "one texel for each place in the grid",
+            });
+        }
+        if texels.iter().flatten().any(|v| !v.is_finite()) {
+            return Err(FactorError::Factors {
+                found: "a texel that is not finite".to_owned(),
+                expected: "finite log values",
+            });
+        }
+        self.texels = texels;
+        Ok(())
+    }
+
+    /// Which texels the image of the coordinates can reach, row by row.
+    pub fn mask(&self) -> Vec<bool> {
+        let outline: Vec<DVec2> = self
+            .coordinates
+            .iter()
+            .flat_map(|c| c.image(self.bound, self.radii, self.extent))
+            .collect();
+        self.grid.mask(&outline)
+    }
+
+    /// The texels and weights that make up this factor's log value, over all its coordinates.
+    pub(crate) fn taps<'a>(
+        &'a self,
+        pair: &'a DirectionPair,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.coordinates.iter().flat_map(move |coordinate| {
+            let taps = self.grid.taps(coordinate.locate(pair, self.extent));
+            (0..taps.iter().count()).filter_map(move |i| taps.iter().nth(i))
+        })
+    }
+
+    /// The coordinates of a pair all lie on the texture.
+    fn holds(&self, pair: &DirectionPair) -> bool {
+        self.coordinates.iter().all(|c| self.grid.holds(c.locate(pair, self.extent)))
+    }
+
+    fn add_log_value(&self, pair: &DirectionPair, sum: &mut [f64; 3]) {
+        for coordinate in &self.coordinates {
+            for (texel, weight) in self.grid.taps(coordinate.locate(pair, self.extent)).iter() {
+                for (total, &value) in sum.iter_mut().zip(&self.texels[texel]) {
+                    *total += weight * f64::from(value);
+                }
+            }
+        }
+    }
+}
+
+/// What was done to pairs and values while a model was evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EvalCounts {
+    /// Pairs with a direction beyond the grazing limit, which was pulled back to it.
+    pub pulled_back: usize,
+    /// Pairs with a coordinate outside a texture, which was moved to its rim.
+    pub outside_texture: usize,
+    /// Values with a negative channel, which was set to 0.
+    pub clamped_below_zero: usize,
+}
+
+/// A factored BRDF.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FactoredBrdf {
+    factors: Vec<Factor>,
+    maps: Vec<ChannelMap>,
+    /// Grazing limit in radians: beyond it, evaluation pulls directions back along their azimuth.
+    theta_max: f64,
+}
+
+impl FactoredBrdf {
+    /// A model of these factors, with one map per channel.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Factors`] without factors or with other than one or three channels;
+    /// [`FactorError::Option`] unless 0 < `theta_max` ≤ π/2.
+    pub fn new(
+        factors: Vec<Factor>,
+        maps: Vec<ChannelMap>,
+        theta_max: f64,
+    ) -> Result<Self, FactorError> {
+        if factors.is_empty() || !matches!(maps.len(), 1 | 3) {
+            return Err(FactorError::Factors {
+                found: format!("{} factors of {} channels", factors.len(), maps.len()),
+                expected: "at least one factor, and one or three channels",
+            });
+        }
+        if !(theta_max > 0.0 && theta_max <= std::f64::consts::FRAC_PI_2) {
+            return Err(FactorError::Option {
+                option: "the grazing limit",
+                value: theta_max.to_degrees(),
+                expected: "more than 0 and at most 90 degrees",
+            });
+        }
+        Ok(Self { factors, maps, theta_max })
+    }
+
+    /// The factors.
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
+    }
+
+    /// Replaces the texels of a factor; see [`Factor::set_texels`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Factor::set_texels`], and [`FactorError::Factors`] for a factor that does not exist.
+    pub fn set_texels(&mut self, factor: usize, texels: Vec<[f32; 4]>) -> Result<(), FactorError> {
+        let count = self.factors.len();
+        let factor = self.factors.get_mut(factor).ok_or_else(|| FactorError::Factors {
+            found: format!("factor {factor} of {count}"),
+            expected: "a factor of the model",
+        })?;
+        factor.set_texels(texels)
+    }
+
+    /// The map of each channel.
+    pub fn maps(&self) -> &[ChannelMap] {
+        &self.maps
+    }
+
+    /// Grazing limit in radians.
+    pub fn theta_max(&self) -> f64 {
+        self.theta_max
+    }
+
+    /// One channel or three.
+    pub fn channels(&self) -> Channels {
+        if self.maps.len() == 1 { Channels::Luminance } else { Channels::Rgb }
+    }
+
+    /// Bytes of the textures as stored: f32 texels times channels.
+    pub fn payload_bytes(&self) -> usize {
+        self.factors.iter().map(|f| f.grid.texels() * self.maps.len() * 4).sum()
+    }
+
+    /// The fitted value of each channel, before the inverse log map; unused channels are 0.
+    pub fn log_values(&self, pair: &DirectionPair) -> [f64; 3] {
+        let pair = self.pulled_back(pair);
+        let mut sum = [0.0; 3];
+        self.factors.iter().for_each(|factor| factor.add_log_value(&pair, &mut sum));
+        sum
+    }
+
+    /// What evaluating these pairs does to them and to their values.
+    pub fn count(&self, pairs: impl IntoIterator<Item = DirectionPair>) -> EvalCounts {
+        let mut counts = EvalCounts::default();
+        for pair in pairs {
+            let pulled = self.pulled_back(&pair);
+            counts.pulled_back += usize::from(pulled != pair);
+            counts.outside_texture += usize::from(!self.factors.iter().all(|f| f.holds(&pulled)));
+            let value = self.eval_signed(&pair);
+            let channels = &value.channels()[..self.maps.len()];
+            counts.clamped_below_zero += usize::from(channels.iter().any(|&v| v < 0.0));
+        }
+        counts
+    }
+
+    fn pulled_back(&self, pair: &DirectionPair) -> DirectionPair {
+        let (sin_max, cos_max) = self.theta_max.sin_cos();
+        let pull = |w: DVec3| {
+            if w.z >= cos_max {
+                return w;
+            }
+            w.truncate()
+                .try_normalize()
+                .map_or(DVec3::Z, |azimuth| (sin_max * azimuth).extend(cos_max))
+        };
+        DirectionPair::new(pull(pair.wi), pull(pair.wo))
+    }
+}
+
+impl Brdf for FactoredBrdf {
+    fn eval(&self, pair: &DirectionPair) -> Rgb {
+        self.eval_signed(pair).map(|v| v.max(0.0))
+    }
+
+    fn eval_signed(&self, pair: &DirectionPair) -> Rgb {
+        if pair.wi.z <= 0.0 || pair.wo.z <= 0.0 {
+            return Rgb::BLACK;
+        }
+        let logs = self.log_values(pair);
+        match &self.maps[..] {
+            [map] => Rgb::splat(map.inverse(logs[0])),
+            [r, g, b] => Rgb::new(r.inverse(logs[0]), g.inverse(logs[1]), b.inverse(logs[2])),
+            _ => Rgb::BLACK,
+        }
+    }
+
+    fn eval_batch(&self, pairs: &DirectionBatch, out: &mut RgbBatch) {
+        batch::evaluate(self, pairs, out);
+    }
+}

@@ -1,0 +1,203 @@
+//! Texel grids: where texels lie, which of them matter, and linear interpolation between them.
+
+use brdf_param::convex_hull;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// The texels of a factor.
+///
+/// In two dimensions texel (i, j) of `size` × `size` lies at (−1 + 2i/(size−1), −1 + 2j/(size−1)),
+/// row j; in one dimension texel i lies at i/(size−1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Grid {
+    /// 1 or 2.
+    pub dimensions: usize,
+    /// Texels along each side, ≥ 2.
+    pub size: usize,
+}
+
+/// The texels around a point and their weights: four in two dimensions, two in one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Taps {
+    texels: [usize; 4],
+    weights: [f64; 4],
+    count: usize,
+}
+
+impl Taps {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.texels.iter().copied().zip(self.weights).take(self.count)
+    }
+}
+
+impl Grid {
+    /// Smallest and largest size of a texture.
+    pub const SIZES: std::ops::RangeInclusive<usize> = 2..=1024;
+
+    /// Number of texels.
+    pub fn texels(&self) -> usize {
+        self.size.pow(u32::try_from(self.dimensions).unwrap_or(2))
+    }
+
+    /// Rows of the texture: 1 in one dimension.
+    pub fn rows(&self) -> usize {
+        if self.dimensions == 1 { 1 } else { self.size }
+    }
+
+    /// Texture coordinates of a texel.
+    #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
+    pub fn position(&self, texel: usize) -> DVec2 {
+        let last = (self.size - 1) as f64;
+        let (column, row) = ((texel % self.size) as f64, (texel / self.size) as f64);
+        match self.dimensions {
+            1 => DVec2::new(column / last, 0.0),
+            _ => DVec2::new(-1.0 + 2.0 * column / last, -1.0 + 2.0 * row / last),
+        }
+    }
+
+    /// The texels around a point, which is moved to the rim if it lies outside.
+    pub(crate) fn taps(&self, point: DVec2) -> Taps {
+        if self.dimensions == 1 {
+            let (low, f) = self.along(point.x);
+            return Taps {
+                texels: [low, low + 1, 0, 0],
+                weights: [1.0 - f, f, 0.0, 0.0],
+                count: 2,
+            };
+        }
+        let (column, u) = self.along(0.5 * (point.x + 1.0));
+        let (row, v) = self.along(0.5 * (point.y + 1.0));
+        let corner = row * self.size + column;
+        Taps {
+            texels: [corner, corner + 1, corner + self.size, corner + self.size + 1],
+            weights: [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v],
+            count: 4,
+        }
+    }
+
+    /// The point lies on the grid, to rounding.
+    pub(crate) fn holds(&self, point: DVec2) -> bool {
+        let slack = 1e-9;
+        match self.dimensions {
+            1 => (-slack..=1.0 + slack).contains(&point.x),
+            _ => point.abs().max_element() <= 1.0 + slack,
+        }
+    }
+
+    /// The texel below a position in [0, 1] and the way to the next.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "positions are clamped to the texture"
+    )]
+    fn along(&self, position: f64) -> (usize, f64) {
+        let scaled = position.clamp(0.0, 1.0) * (self.size - 1) as f64;
+        let low = (scaled as usize).min(self.size - 2);
+        (low, scaled - low as f64)
+    }
+
+    /// The texels that can matter for points inside the convex hull of `outline`: those less than
+    /// one texel away from it, row by row. In one dimension, all.
+    pub(crate) fn mask(&self, outline: &[DVec2]) -> Vec<bool> {
+        if self.dimensions == 1 || outline.len() < 3 {
+            return vec![true; self.texels()];
+        }
+        #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
+        let texel = 2.0 / (self.size - 1) as f64;
+        let hull = convex_hull(outline);
+        let edges: Vec<(DVec2, f64)> = hull
+            .iter()
+            .zip(hull.iter().cycle().skip(1))
+            .map(|(&a, &b)| {
+                let outward = -(b - a).perp();
+                // The hull grown by a texel along both axes.
+                (outward, outward.dot(a) + texel * (outward.x.abs() + outward.y.abs()))
+            })
+            .collect();
+        (0..self.texels())
+            .map(|index| {
+                let point = self.position(index);
+                edges.iter().all(|&(outward, limit)| outward.dot(point) <= limit)
+            })
+            .collect()
+    }
+
+    /// The existing neighbours of a texel along the axes.
+    pub(crate) fn neighbours(&self, texel: usize) -> impl Iterator<Item = usize> + use<> {
+        let (column, row, size, rows) =
+            (texel % self.size, texel / self.size, self.size, self.rows());
+        [
+            (column > 0).then(|| texel - 1),
+            (column + 1 < size).then_some(texel + 1),
+            (row > 0).then(|| texel - size),
+            (row + 1 < rows).then_some(texel + size),
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// Gives every texel outside the mask the mean of its known neighbours, ring by ring, so that
+    /// lookups which stray by a rounding error stay sensible.
+    pub(crate) fn fill_unmasked<const N: usize>(&self, mask: &[bool], texels: &mut [[f32; N]]) {
+        let mut known = mask.to_vec();
+        while known.iter().any(|k| !k) && known.iter().any(|k| *k) {
+            let ring: Vec<(usize, [f32; N])> = (0..self.texels())
+                .filter(|&t| !known[t])
+                .filter_map(|t| {
+                    let around: Vec<usize> = self.neighbours(t).filter(|&n| known[n]).collect();
+                    let count = f32::from(u8::try_from(around.len()).unwrap_or(4));
+                    (!around.is_empty()).then(|| {
+                        let mean = std::array::from_fn(|c| {
+                            around.iter().map(|&n| texels[n][c]).sum::<f32>() / count
+                        });
+                        (t, mean)
+                    })
+                })
+                .collect();
+            for (texel, value) in ring {
+                texels[texel] = value;
+                known[texel] = true;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn taps_reproduce_a_linear_function() {
+        let grid = Grid { dimensions: 2, size: 7 };
+        let linear = |p: DVec2| 3.0 + 2.0 * p.x - 5.0 * p.y;
+        for point in [DVec2::new(-1.0, 1.0), DVec2::new(0.123, -0.77), DVec2::ONE] {
+            let read: f64 =
+                grid.taps(point).iter().map(|(t, w)| w * linear(grid.position(t))).sum();
+            assert!((read - linear(point)).abs() < 1e-12, "{read} at {point}");
+        }
+    }
+
+    #[test]
+    fn every_tap_of_a_point_inside_the_outline_is_masked_in() {
+        let grid = Grid { dimensions: 2, size: 9 };
+        // A sliver thinner than a texel.
+        let outline = [(-0.9, -0.91), (0.9, 0.88), (0.9, 0.89)].map(DVec2::from);
+        let mask = grid.mask(&outline);
+        for step in 0..=1000 {
+            let point = outline[0].lerp(outline[1], f64::from(step) / 1000.0);
+            assert!(grid.taps(point).iter().all(|(t, _)| mask[t]), "at {point}");
+        }
+        assert!(mask.iter().any(|m| !m), "far corners are masked out");
+    }
+
+    #[test]
+    fn unmasked_texels_take_the_nearest_ring() {
+        let grid = Grid { dimensions: 2, size: 3 };
+        let mut texels = [[0.0_f32]; 9];
+        texels[4] = [2.0];
+        let mask: Vec<bool> = (0..9).map(|t| t == 4).collect();
+        grid.fill_unmasked(&mask, &mut texels);
+        assert!(texels.iter().all(|t| (t[0] - 2.0).abs() < 1e-6), "{texels:?}");
+    }
+}

@@ -1,0 +1,109 @@
+//! Three ways to solve min ‖A x − y‖ for several right-hand sides.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt;
+use faer::{Mat, Par};
+use serde::{Deserialize, Serialize};
+
+use crate::sparse_rows::SparseRows;
+use crate::{FactorError, lsmr, qmr};
+
+/// How the least-squares problem is solved. All agree to 1e-8 in what the solution predicts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Solver {
+    /// Dense Cholesky factorization of the normal equations: exact and fast up to
+    /// [`Solver::MAX_DENSE`] unknowns.
+    Cholesky,
+    /// LSMR on A itself, matrix-free (Fong and Saunders 2011), for large textures.
+    Lsmr,
+    /// Quasi-minimal residuals on the normal equations (Freund and Nachtigal 1991), the choice of
+    /// McCool and of the thesis; kept for the record and as an oracle.
+    Qmr,
+}
+
+/// The solutions, one per right-hand side, and what they cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// One vector of unknowns per right-hand side.
+    pub values: Vec<Vec<f64>>,
+    /// Iterations over all right-hand sides; 0 for a direct solver.
+    pub iterations: usize,
+    /// Whether an iterative solver reached its tolerance; true for a direct one.
+    pub converged: bool,
+}
+
+impl Solver {
+    /// More unknowns than this are not factored densely: the matrix would pass 512 MiB.
+    pub const MAX_DENSE: usize = 8192;
+
+    /// Cholesky where the matrix fits, LSMR beyond.
+    pub fn for_unknowns(unknowns: usize) -> Self {
+        if unknowns <= Self::MAX_DENSE { Self::Cholesky } else { Self::Lsmr }
+    }
+
+    /// Solves for every right-hand side.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Singular`]; [`FactorError::TooManyUnknowns`] for [`Solver::Cholesky`].
+    pub fn solve(self, matrix: &SparseRows, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
+        match self {
+            Self::Cholesky => cholesky(matrix, sides),
+            Self::Lsmr => Ok(iterate(sides, |side| lsmr::solve(matrix, side))),
+            Self::Qmr => Ok(iterate(sides, |side| qmr::solve(matrix, side))),
+        }
+    }
+}
+
+/// The outcome of an iterative solver for one right-hand side.
+pub(crate) struct Iterated {
+    pub(crate) values: Vec<f64>,
+    pub(crate) iterations: usize,
+    pub(crate) converged: bool,
+}
+
+fn iterate(sides: &[Vec<f64>], mut solve: impl FnMut(&[f64]) -> Iterated) -> Solution {
+    let mut solution = Solution { values: Vec::new(), iterations: 0, converged: true };
+    for side in sides {
+        let one = solve(side);
+        solution.values.push(one.values);
+        solution.iterations += one.iterations;
+        solution.converged &= one.converged;
+    }
+    solution
+}
+
+fn cholesky(matrix: &SparseRows, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
+    let unknowns = matrix.column_count();
+    if unknowns > Solver::MAX_DENSE {
+        return Err(FactorError::TooManyUnknowns { unknowns, max: Solver::MAX_DENSE });
+    }
+    // One thread, so that the result does not depend on how many there are.
+    let par = Par::Seq;
+    let mut factor = matrix.gram();
+    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(unknowns, par, Default::default());
+    llt::factor::cholesky_in_place(
+        factor.as_mut(),
+        Default::default(),
+        par,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Default::default(),
+    )
+    .map_err(|error| match error {
+        llt::factor::LltError::NonPositivePivot { index } => {
+            FactorError::Singular { unknowns, pivot: index }
+        }
+    })?;
+    let projected: Vec<Vec<f64>> = sides.iter().map(|side| matrix.apply_transposed(side)).collect();
+    let mut x = Mat::from_fn(unknowns, sides.len(), |row, column| projected[column][row]);
+    let scratch = llt::solve::solve_in_place_scratch::<f64>(unknowns, sides.len(), par);
+    llt::solve::solve_in_place(
+        factor.as_ref(),
+        x.as_mut(),
+        par,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+    );
+    let values = (0..sides.len()).map(|c| x.col(c).iter().copied().collect()).collect();
+    Ok(Solution { values, iterations: 0, converged: true })
+}

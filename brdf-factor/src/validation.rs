@@ -1,0 +1,53 @@
+//! Held-out errors where there is no more data to draw: cross-validation over measured rows.
+
+use brdf_model::{FitErrors, SampleSet, log_offsets, measure};
+use rayon::prelude::*;
+
+use crate::{FactorError, FactorParams, FactorSpec, factorize};
+
+/// How rows are split and multiplied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CrossValidation {
+    /// Number of parts; each is held out once.
+    pub folds: usize,
+    /// Copies by rotation about the normal of every training row.
+    pub rotations: u32,
+    /// Whether training rows get reciprocal twins.
+    pub reciprocal: bool,
+    /// Which split.
+    pub seed: u64,
+}
+
+/// Errors on rows that the model did not see, pooled over the folds.
+///
+/// Rows are split before any replication, and rows that an isotropic reciprocal material could not
+/// tell apart stay together. The log offset is that of the training rows of each fold. `None`
+/// where there are too few rows for every fold to hold out one.
+///
+/// # Errors
+///
+/// As [`factorize`].
+pub fn cross_validate(
+    samples: &SampleSet,
+    specs: &[FactorSpec],
+    params: &FactorParams,
+    validation: &CrossValidation,
+) -> Result<Option<FitErrors>, FactorError> {
+    let parts = samples.folds(validation.folds.max(2), validation.seed);
+    if parts.iter().any(Vec::is_empty) {
+        return Ok(None);
+    }
+    let errors: Result<Vec<(FitErrors, usize)>, FactorError> = parts
+        .par_iter()
+        .map(|held_out| {
+            let rest: Vec<usize> =
+                (0..samples.len()).filter(|i| held_out.binary_search(i).is_err()).collect();
+            let training =
+                samples.subset(&rest).replicated(validation.rotations, validation.reciprocal);
+            let fit = factorize(&training, specs, params)?;
+            let unseen = samples.subset(held_out);
+            Ok((measure(&unseen, &fit.model, &log_offsets(&training)), unseen.len()))
+        })
+        .collect();
+    errors.map(|parts| Some(FitErrors::pooled(&parts)))
+}
