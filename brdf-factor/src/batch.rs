@@ -157,13 +157,13 @@ fn run(model: &FactoredBrdf, readers: &[Reader<'_>], pairs: &DirectionBatch, out
 
 #[inline(always)]
 fn pull_back(w: &mut [Lane; 3], sin_max: f32, cos_max: f32) {
-    for lane in 0..TILE {
-        let (x, y, z) = (w[0][lane], w[1][lane], w[2][lane]);
-        let scale = sin_max / (x * x + y * y).max(1e-30).sqrt();
-        let beyond = z < cos_max;
-        w[0][lane] = if beyond { x * scale } else { x };
-        w[1][lane] = if beyond { y * scale } else { y };
-        w[2][lane] = if beyond { cos_max } else { z };
+    let [xs, ys, zs] = w;
+    for ((x, y), z) in xs.iter_mut().zip(ys).zip(zs) {
+        let scale = sin_max / (*x * *x + *y * *y).max(1e-30).sqrt();
+        let factor = if *z < cos_max { scale } else { 1.0 };
+        *x *= factor;
+        *y *= factor;
+        *z = z.max(cos_max);
     }
 }
 
@@ -236,9 +236,8 @@ fn positions(tile: &mut Tile, source: &Source) {
                 Radial::Wo => &tile.wo,
                 Radial::H => &tile.half,
             };
-            for lane in 0..TILE {
-                let (x, y) = (w[0][lane], w[1][lane]);
-                tile.column[lane] = scale * (x * x + y * y).sqrt();
+            for ((out, x), y) in tile.column.iter_mut().zip(&w[0]).zip(&w[1]) {
+                *out = scale * (x * x + y * y).sqrt();
             }
         }
     }

@@ -8,74 +8,116 @@ use serde::{Deserialize, Serialize};
 use crate::batch;
 use crate::{ChannelMap, Coordinate, FactorError, Grid};
 
-/// One texture and the coordinates that read it.
+/// A factor without its texels: what a file says about a texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Factor {
-    coordinates: Vec<Coordinate>,
-    grid: Grid,
-    bound: Bound,
+pub struct FactorDescription {
+    /// The coordinates that read the texture.
+    pub coordinates: Vec<Coordinate>,
+    /// The texel grid.
+    pub grid: Grid,
+    /// How the image of the coordinates was fitted into the texture.
+    pub bound: Bound,
     /// Largest radii of the coordinates over the training samples.
-    radii: DiscRadii,
-    /// What coordinates are divided by.
-    extent: DVec2,
-    /// Log values, row by row; channels beyond the model's own are 0. Kept in their own tensors in
-    /// files.
-    #[serde(skip)]
-    texels: Vec<[f32; 4]>,
+    pub radii: DiscRadii,
+    /// What coordinates are divided by before they meet the grid.
+    pub extent: DVec2,
 }
 
-impl Factor {
-    /// A factor whose texels are all 0, scaled to coordinates of these radii.
+impl FactorDescription {
+    /// A description scaled to coordinates of these radii.
     ///
     /// # Errors
     ///
-    /// [`FactorError::TextureSize`]; [`FactorError::Factors`] unless there are coordinates, all of
-    /// the same dimension.
+    /// As [`FactorDescription::check`].
     pub fn new(
         coordinates: &[Coordinate],
         size: usize,
         bound: Bound,
         radii: DiscRadii,
     ) -> Result<Self, FactorError> {
-        if !Grid::SIZES.contains(&size) {
-            let (min, max) = (*Grid::SIZES.start(), *Grid::SIZES.end());
-            return Err(FactorError::TextureSize { size, min, max });
-        }
-        let Some(first) = coordinates.first() else {
-            return Err(FactorError::Factors {
-                found: "a factor without coordinates".to_owned(),
-                expected: "at least one",
-            });
-        };
-        let dimensions = first.dimensions();
-        if coordinates.iter().any(|c| c.dimensions() != dimensions) {
-            return Err(FactorError::Factors {
-                found: "a texture shared by one- and two-dimensional coordinates".to_owned(),
-                expected: "coordinates of the same dimension",
-            });
-        }
-        let grid = Grid { dimensions, size };
+        let grid = Grid { dimensions: coordinates.first().map_or(2, Coordinate::dimensions), size };
         let extent = coordinates
             .iter()
             .map(|coordinate| coordinate.extent(bound, radii))
             .fold(DVec2::splat(f64::MIN_POSITIVE), DVec2::max);
-        let texels = vec![[0.0; 4]; grid.texels()];
-        Ok(Self { coordinates: coordinates.to_vec(), grid, bound, radii, extent, texels })
+        let description = Self { coordinates: coordinates.to_vec(), grid, bound, radii, extent };
+        description.check()?;
+        Ok(description)
+    }
+
+    /// Whether the parts fit together.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::TextureSize`]; [`FactorError::Factors`] unless there are coordinates, all of
+    /// the grid's dimension, and radii and extent are positive and finite.
+    pub fn check(&self) -> Result<(), FactorError> {
+        if !Grid::SIZES.contains(&self.grid.size) {
+            let (min, max) = (*Grid::SIZES.start(), *Grid::SIZES.end());
+            return Err(FactorError::TextureSize { size: self.grid.size, min, max });
+        }
+        let refuse =
+            |found: &str, expected| Err(FactorError::Factors { found: found.to_owned(), expected });
+        if self.coordinates.is_empty() {
+            return refuse("a factor without coordinates", "at least one");
+        }
+        if self.coordinates.iter().any(|c| c.dimensions() != self.grid.dimensions) {
+            return refuse(
+                "a texture whose coordinates have other dimensions than its grid",
+                "coordinates and grid of the same dimension",
+            );
+        }
+        let scales = [self.radii.first, self.radii.second, self.extent.x, self.extent.y];
+        if !scales.iter().all(|s| s.is_finite() && *s > 0.0) {
+            return refuse("a radius or extent that is not positive", "positive finite numbers");
+        }
+        Ok(())
+    }
+}
+
+/// One texture and the coordinates that read it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factor {
+    description: FactorDescription,
+    /// Log values, row by row; channels beyond the model's own are 0.
+    texels: Vec<[f32; 4]>,
+}
+
+impl Factor {
+    /// A factor with these texels, or all 0.
+    ///
+    /// # Errors
+    ///
+    /// As [`FactorDescription::check`] and [`Factor::set_texels`].
+    pub fn new(
+        description: FactorDescription,
+        texels: Option<Vec<[f32; 4]>>,
+    ) -> Result<Self, FactorError> {
+        description.check()?;
+        let count = description.grid.texels();
+        let mut factor = Self { description, texels: Vec::new() };
+        factor.set_texels(texels.unwrap_or_else(|| vec![[0.0; 4]; count]))?;
+        Ok(factor)
+    }
+
+    /// Everything but the texels.
+    pub fn description(&self) -> &FactorDescription {
+        &self.description
     }
 
     /// The coordinates that read the texture.
     pub fn coordinates(&self) -> &[Coordinate] {
-        &self.coordinates
+        &self.description.coordinates
     }
 
     /// The texel grid.
     pub fn grid(&self) -> Grid {
-        self.grid
+        self.description.grid
     }
 
     /// What coordinates are divided by before they meet the grid.
     pub fn extent(&self) -> DVec2 {
-        self.extent
+        self.description.extent
     }
 
     /// Log values row by row, one entry per channel and the rest 0. Texels outside the mask hold
@@ -90,9 +132,13 @@ impl Factor {
     ///
     /// [`FactorError::Factors`] unless there is one for each place in the grid and all are finite.
     pub fn set_texels(&mut self, texels: Vec<[f32; 4]>) -> Result<(), FactorError> {
-        if texels.len() != self.grid.texels() {
+        if texels.len() != self.description.grid.texels() {
             return Err(FactorError::Factors {
-                found: format!("{} texels for a grid of {}", texels.len(), self.grid.texels()),
+                found: format!(
+                    "{} texels for a grid of {}",
+                    texels.len(),
+                    self.description.grid.texels()
+                ),
                 expected: "one texel for each place in the grid",
             });
         }
@@ -109,37 +155,39 @@ impl Factor {
     /// Which texels the image of the coordinates can reach, row by row.
     pub fn mask(&self) -> Vec<bool> {
         let outline: Vec<DVec2> = self
-            .coordinates
+            .coordinates()
             .iter()
-            .flat_map(|c| c.image(self.bound, self.radii, self.extent))
+            .flat_map(|c| {
+                let FactorDescription { bound, radii, extent, .. } = self.description;
+                c.image(bound, radii, extent)
+            })
             .collect();
-        self.grid.mask(&outline)
+        self.description.grid.mask(&outline)
     }
 
-    /// The texels and weights that make up this factor's log value, over all its coordinates.
-    pub(crate) fn taps<'a>(
-        &'a self,
-        pair: &'a DirectionPair,
-    ) -> impl Iterator<Item = (usize, f64)> + 'a {
-        self.coordinates.iter().flat_map(move |coordinate| {
-            let taps = self.grid.taps(coordinate.locate(pair, self.extent));
-            (0..taps.iter().count()).filter_map(move |i| taps.iter().nth(i))
-        })
+    /// Calls `tap` with the texels and weights that make up this factor's log value, over all its
+    /// coordinates.
+    pub(crate) fn for_each_tap(&self, pair: &DirectionPair, mut tap: impl FnMut(usize, f64)) {
+        for coordinate in &self.description.coordinates {
+            let point = coordinate.locate(pair, self.description.extent);
+            self.description.grid.taps(point).iter().for_each(|(texel, weight)| tap(texel, weight));
+        }
     }
 
     /// The coordinates of a pair all lie on the texture.
     fn holds(&self, pair: &DirectionPair) -> bool {
-        self.coordinates.iter().all(|c| self.grid.holds(c.locate(pair, self.extent)))
+        self.description
+            .coordinates
+            .iter()
+            .all(|c| self.description.grid.holds(c.locate(pair, self.description.extent)))
     }
 
     fn add_log_value(&self, pair: &DirectionPair, sum: &mut [f64; 3]) {
-        for coordinate in &self.coordinates {
-            for (texel, weight) in self.grid.taps(coordinate.locate(pair, self.extent)).iter() {
-                for (total, &value) in sum.iter_mut().zip(&self.texels[texel]) {
-                    *total += weight * f64::from(value);
-                }
+        self.for_each_tap(pair, |texel, weight| {
+            for (total, &value) in sum.iter_mut().zip(&self.texels[texel]) {
+                *total += weight * f64::from(value);
             }
-        }
+        });
     }
 }
 
@@ -155,7 +203,7 @@ pub struct EvalCounts {
 }
 
 /// A factored BRDF.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FactoredBrdf {
     factors: Vec<Factor>,
     maps: Vec<ChannelMap>,
@@ -196,20 +244,6 @@ impl FactoredBrdf {
         &self.factors
     }
 
-    /// Replaces the texels of a factor; see [`Factor::set_texels`].
-    ///
-    /// # Errors
-    ///
-    /// As [`Factor::set_texels`], and [`FactorError::Factors`] for a factor that does not exist.
-    pub fn set_texels(&mut self, factor: usize, texels: Vec<[f32; 4]>) -> Result<(), FactorError> {
-        let count = self.factors.len();
-        let factor = self.factors.get_mut(factor).ok_or_else(|| FactorError::Factors {
-            found: format!("factor {factor} of {count}"),
-            expected: "a factor of the model",
-        })?;
-        factor.set_texels(texels)
-    }
-
     /// The map of each channel.
     pub fn maps(&self) -> &[ChannelMap] {
         &self.maps
@@ -227,7 +261,7 @@ impl FactoredBrdf {
 
     /// Bytes of the textures as stored: f32 texels times channels.
     pub fn payload_bytes(&self) -> usize {
-        self.factors.iter().map(|f| f.grid.texels() * self.maps.len() * 4).sum()
+        self.factors.iter().map(|f| f.grid().texels() * self.maps.len() * 4).sum()
     }
 
     /// The fitted value of each channel, before the inverse log map; unused channels are 0.

@@ -5,8 +5,8 @@ use brdf_param::{Bound, DiscRadii, polar_angle};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ChannelMap, Factor, FactorError, FactorSpec, FactoredBrdf, LinearSystem, LogMap, Smoothing,
-    Solver,
+    ChannelMap, Factor, FactorDescription, FactorError, FactorSpec, FactoredBrdf, LinearSystem,
+    LogMap, Smoothing, Solver,
 };
 
 /// What a sample's squared log residual is multiplied by.
@@ -205,7 +205,9 @@ impl<'a> Problem<'a> {
             .iter()
             .map(|spec| {
                 let (size, bound) = (self.params.texture_size, self.params.bound);
-                Factor::new(&spec.coordinates, size, bound, radii_of(spec))
+                let coordinates = &spec.coordinates;
+                let description = FactorDescription::new(coordinates, size, bound, radii_of(spec))?;
+                Factor::new(description, None)
             })
             .collect()
     }

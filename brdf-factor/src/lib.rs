@@ -34,7 +34,7 @@ mod validation;
 
 pub use coordinate::{Coordinate, FactorSpec};
 pub use error::FactorError;
-pub use factored::{EvalCounts, Factor, FactoredBrdf};
+pub use factored::{EvalCounts, Factor, FactorDescription, FactoredBrdf};
 pub use factorization::{FactorParams, Fit, TermSolve, Weight, factorize, factorize_terms};
 pub use grid::Grid;
 pub use linear_system::{LinearSystem, Smoothing};

@@ -52,12 +52,13 @@ impl LinearSystem {
         let mut touched = vec![false; texel_of.len()];
         for (pair, &root) in samples.pairs().zip(&weight_roots) {
             for (factor, block) in factors.iter().zip(&blocks) {
-                for (texel, weight) in factor.taps(&pair) {
+                factor.for_each_tap(&pair, |texel, weight| {
+                    // The mask holds every texel around a point of the image, so all are found.
                     if let Some(unknown) = block.unknown_of[texel] {
                         rows.push(unknown, weight);
                         touched[unknown] |= weight > 0.0;
                     }
-                }
+                });
             }
             rows.scale_open_row(root);
             rows.end_row();

@@ -1,1 +1,44 @@
-//! x
+//! Files: measured BRDF formats in; models, textures and images out.
+//!
+//! Every reader takes bytes, so that it can be tested and fuzzed without files, and checks every
+//! count against the bytes that are there before it allocates. [`open_measurement`] recognises a
+//! format by content: extensions of this field collide.
+
+mod alta;
+mod atomic;
+mod bytes;
+mod container;
+mod cornell;
+mod detect;
+mod error;
+mod exr_image;
+mod mapped;
+mod measurement;
+mod merl;
+mod pictures;
+mod projections;
+mod rgl;
+mod spectrum;
+mod table;
+mod utia;
+
+pub use alta::read_alta;
+pub use atomic::{OutputFolder, folder_written_by_us, write_atomically};
+pub use container::{
+    FitRecord, FitSettings, ModelFile, TermRecord, model_to_bytes, read_model, record_of,
+};
+pub use cornell::{Spectra, read_cornell};
+pub use detect::{Format, detect};
+pub use error::{FormatError, IoError};
+pub use exr_image::write_exr;
+pub use mapped::MappedFile;
+pub use measurement::{Measured, Measurement, ReadOptions, open_measurement, parse_measurement};
+pub use merl::{merl_to_bytes, read_merl};
+pub use pictures::{png_bytes, read_environment};
+pub use projections::{ProjectionFile, read_projections};
+pub use rgl::read_rgl;
+pub use spectrum::SpectrumToRgb;
+pub use table::{
+    Column, ColumnMap, direction_rows, direction_table_header, read_table, samples_to_csv,
+};
+pub use utia::read_utia;

@@ -63,6 +63,7 @@ pub struct SampleSet {
     /// One array per channel, each as long as `wi`, in sr⁻¹.
     values: Vec<Vec<f64>>,
     dropped: Dropped,
+    clamped: usize,
 }
 
 impl SampleSet {
@@ -73,21 +74,34 @@ impl SampleSet {
             wo: Vec::new(),
             values: vec![Vec::new(); channels.count()],
             dropped: Dropped::default(),
+            clamped: 0,
         }
     }
 
     /// Draws pairs and evaluates a model at them. Pairs without valid data are counted, not
-    /// replaced.
+    /// replaced; negative channels become 0 and are counted too.
     pub fn draw(brdf: &dyn Brdf, sampling: &PairSampling, channels: Channels) -> Self {
         let mut set = Self::new(channels);
         for pair in sampling.pairs() {
             if brdf.covers(&pair) {
-                set.push_rgb(&pair, brdf.eval_signed(&pair));
+                set.push_clamped(&pair, brdf.eval_signed(&pair));
             } else {
                 set.dropped.no_data += 1;
             }
         }
         set
+    }
+
+    /// Adds a sample whose negative channels become 0, as colours outside the gamut have them, and
+    /// counts it where that was needed. A set of one channel takes the luminance.
+    pub fn push_clamped(&mut self, pair: &DirectionPair, value: Rgb) {
+        self.clamped += usize::from(value.channels().iter().any(|&v| v < 0.0));
+        self.push_rgb(pair, value.map(|v| if v < 0.0 { 0.0 } else { v }));
+    }
+
+    /// Samples with a negative channel that was set to 0.
+    pub fn clamped(&self) -> usize {
+        self.clamped
     }
 
     /// Adds a sample, or counts why it cannot be used. A set of one channel takes the luminance.
@@ -158,6 +172,7 @@ impl SampleSet {
             .collect();
         let mut kept = self.subset(&keep);
         kept.dropped = self.dropped;
+        kept.clamped = self.clamped;
         kept.dropped.zero += self.len() - keep.len();
         kept
     }
@@ -211,6 +226,7 @@ impl SampleSet {
                 .map(|channel| indices.iter().map(|&i| channel[i]).collect())
                 .collect(),
             dropped: Dropped::default(),
+            clamped: 0,
         }
     }
 
@@ -220,7 +236,13 @@ impl SampleSet {
             Channels::Luminance => self.values.clone(),
             Channels::Rgb => vec![(0..self.len()).map(|i| self.rgb(i).luminance()).collect()],
         };
-        Self { wi: self.wi.clone(), wo: self.wo.clone(), values, dropped: self.dropped }
+        Self {
+            wi: self.wi.clone(),
+            wo: self.wo.clone(),
+            values,
+            dropped: self.dropped,
+            clamped: self.clamped,
+        }
     }
 
     /// The samples whose directions both lie within `theta_max` radians of the normal; the others
@@ -232,6 +254,7 @@ impl SampleSet {
             (0..self.len()).filter(|&i| self.wi[i].z >= limit && self.wo[i].z >= limit).collect();
         let mut kept = self.subset(&keep);
         kept.dropped = self.dropped;
+        kept.clamped = self.clamped;
         kept.dropped.beyond_grazing_limit += self.len() - keep.len();
         kept
     }
@@ -240,7 +263,8 @@ impl SampleSet {
     /// reciprocal twin where `reciprocal` is set. What an isotropic, reciprocal material is known
     /// to do where it was not measured.
     pub fn replicated(&self, rotations: u32, reciprocal: bool) -> Self {
-        let mut set = Self { dropped: self.dropped, ..Self::new(self.channels()) };
+        let mut set =
+            Self { dropped: self.dropped, clamped: self.clamped, ..Self::new(self.channels()) };
         for index in 0..self.len() {
             let pair = self.pair(index);
             for step in 0..rotations.max(1) {

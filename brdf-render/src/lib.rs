@@ -1,1 +1,27 @@
-//! x
+//! Pictures of BRDFs: spheres under a directional light or a lat-long environment, tone mapping
+//! that is stated, differences, and captioned strips.
+//!
+//! ```
+//! use brdf_model::Preset;
+//! use brdf_render::{DirectionalLight, Light, SphereView, ToneMap, render_sphere};
+//!
+//! let paint = Preset::find("lafortune-blue-paint").expect("a preset").brdf();
+//! let light = Light::Directional(DirectionalLight::default());
+//! let film = render_sphere(&paint, &light, &SphereView { size: 32, ..SphereView::default() });
+//! let picture = ToneMap::exposed_for(&film).apply(&film);
+//! assert_eq!((picture.width(), picture.height()), (32, 32));
+//! ```
+
+mod display;
+mod film;
+mod light;
+mod sphere;
+mod strip;
+mod texture_view;
+
+pub use display::{DisplayImage, ToneMap};
+pub use film::{Film, Pixel};
+pub use light::{DirectionalLight, Environment, EnvironmentError, Light};
+pub use sphere::{SphereView, render_sphere};
+pub use strip::{Panel, difference, strip};
+pub use texture_view::{MASKED_OUT, texture_view};

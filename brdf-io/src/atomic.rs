@@ -1,0 +1,196 @@
+//! Output that appears whole or not at all.
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{NamedTempFile, TempDir};
+
+use crate::IoError;
+
+/// Writes a file under a temporary name beside its place, then renames it. Where something that
+/// is no plain file stands there (a pipe, a device), the bytes go straight into it.
+///
+/// # Errors
+///
+/// [`IoError::Folder`]; [`IoError::File`]. The old file stays whole.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    match fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => {
+            return Err(IoError::Folder { path: path.to_owned() });
+        }
+        Ok(metadata) if !metadata.is_file() => {
+            return fs::write(path, bytes).map_err(IoError::file(path, "writing"));
+        }
+        _ => {}
+    }
+    let folder = parent(path);
+    let mut file = NamedTempFile::new_in(folder).map_err(IoError::file(path, "creating"))?;
+    file.write_all(bytes).map_err(IoError::file(path, "writing"))?;
+    make_readable(file.path()).map_err(IoError::file(path, "writing"))?;
+    file.persist(path).map_err(|e| IoError::file(path, "renaming to")(e.error))?;
+    Ok(())
+}
+
+/// The name of the file by which a folder of ours is recognised, and how that file starts.
+const MARK: (&str, &str) = ("report.json", "{\n  \"brdf\":");
+
+/// A folder of results under construction, beside the place where it will appear.
+#[derive(Debug)]
+pub struct OutputFolder {
+    place: PathBuf,
+    temporary: TempDir,
+    names: Vec<String>,
+    foreign: Vec<PathBuf>,
+}
+
+impl OutputFolder {
+    /// Starts a folder. Nothing changes at `place` until [`OutputFolder::finish`].
+    ///
+    /// # Errors
+    ///
+    /// [`IoError::InTheWay`] if `place` holds something that this project did not write, unless
+    /// `force`d; [`IoError::File`] if it cannot be written to.
+    pub fn new(place: &Path, force: bool) -> Result<Self, IoError> {
+        let mut foreign = Vec::new();
+        if let Ok(metadata) = fs::symlink_metadata(place) {
+            if !metadata.is_dir() {
+                return Err(IoError::InTheWay { path: place.to_owned(), found: "something" });
+            }
+            foreign = foreign_entries(place)?;
+            if !foreign.is_empty() && !force {
+                return Err(IoError::InTheWay { path: place.to_owned(), found: "files" });
+            }
+        }
+        let temporary = tempfile::Builder::new()
+            .prefix(".brdf-")
+            .suffix(".partial")
+            .tempdir_in(parent(place))
+            .map_err(IoError::file(place, "creating"))?;
+        Ok(Self { place: place.to_owned(), temporary, names: Vec::new(), foreign })
+    }
+
+    /// Writes a file into the folder.
+    ///
+    /// # Errors
+    ///
+    /// [`IoError::File`].
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), IoError> {
+        let path = self.temporary.path().join(name);
+        fs::write(&path, bytes).map_err(IoError::file(&self.place.join(name), "writing"))?;
+        self.names.push(name.to_owned());
+        Ok(())
+    }
+
+    /// Puts the folder in its place and returns that. Where a folder of ours stood, it is
+    /// replaced; files that we did not write stay, unless one of ours has the same name.
+    ///
+    /// # Errors
+    ///
+    /// [`IoError::File`].
+    pub fn finish(self) -> Result<PathBuf, IoError> {
+        let place = &self.place;
+        let refused = |action| IoError::file(place, action);
+        make_readable(self.temporary.path()).map_err(refused("finishing"))?;
+        if !place.exists() {
+            fs::rename(self.temporary.keep(), place).map_err(refused("renaming to"))?;
+        } else if self.foreign.is_empty() {
+            let old = parent(place).join(format!(".brdf-old-{}", std::process::id()));
+            fs::rename(place, &old).map_err(refused("moving away"))?;
+            if let Err(error) = fs::rename(self.temporary.path(), place) {
+                fs::rename(&old, place).map_err(refused("putting back"))?;
+                return Err(refused("renaming to")(error));
+            }
+            fs::remove_dir_all(&old).map_err(refused("removing the old"))?;
+        } else {
+            for name in &self.names {
+                fs::rename(self.temporary.path().join(name), place.join(name))
+                    .map_err(refused("renaming into"))?;
+            }
+        }
+        Ok(self.place)
+    }
+}
+
+/// The folder holds nothing but what an earlier run of ours left.
+///
+/// # Errors
+///
+/// [`IoError::File`].
+pub fn folder_written_by_us(folder: &Path) -> Result<bool, IoError> {
+    foreign_entries(folder).map(|entries| entries.is_empty())
+}
+
+/// Entries of a folder that we did not write: all of them unless our mark is there.
+fn foreign_entries(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+    let refused = || IoError::file(folder, "looking into");
+    let marked = fs::read_to_string(folder.join(MARK.0)).is_ok_and(|t| t.starts_with(MARK.1));
+    let mut foreign = Vec::new();
+    for entry in fs::read_dir(folder).map_err(refused())? {
+        let path = entry.map_err(refused())?.path();
+        if !marked || !is_our_name(&path) {
+            foreign.push(path);
+        }
+    }
+    Ok(foreign)
+}
+
+fn is_our_name(path: &Path) -> bool {
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let factor = name
+        .strip_prefix("factor-")
+        .and_then(|rest| rest.strip_suffix(".exr").or_else(|| rest.strip_suffix(".png")));
+    ["model.safetensors", "spheres.png", "report.html", "report.json"].contains(&name.as_str())
+        || factor.is_some_and(|number| number.parse::<u32>().is_ok())
+}
+
+fn parent(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Temporary files and folders are private; results should have the permissions of any new file.
+#[cfg(unix)]
+fn make_readable(path: &Path) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    let mode = if fs::metadata(path)?.is_dir() { 0o755 } else { 0o644 };
+    match fs::set_permissions(path, fs::Permissions::from_mode(mode)) {
+        Err(error) if error.kind() != ErrorKind::Unsupported => Err(error),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(not(unix))]
+fn make_readable(_path: &Path) -> std::io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_of_ours_is_replaced_and_a_foreign_one_is_not() {
+        let root = tempfile::tempdir().unwrap();
+        let place = root.path().join("out");
+        let run = |force: bool, name: &str| -> Result<PathBuf, IoError> {
+            let mut folder = OutputFolder::new(&place, force)?;
+            folder.write("report.json", b"{\n  \"brdf\": 1}")?;
+            folder.write(name, b"x")?;
+            folder.finish()
+        };
+        run(false, "factor-1.png").unwrap();
+        run(false, "factor-2.png").unwrap();
+        assert!(!place.join("factor-1.png").exists(), "the stale factor is gone");
+
+        fs::write(place.join("notes.txt"), "mine").unwrap();
+        let refused = run(false, "factor-3.png").unwrap_err();
+        assert!(matches!(refused, IoError::InTheWay { .. }), "{refused}");
+        run(true, "factor-3.png").unwrap();
+        assert_eq!(fs::read_to_string(place.join("notes.txt")).unwrap(), "mine");
+        let left = fs::read_dir(root.path()).unwrap().count();
+        assert_eq!(left, 1, "nothing temporary is left behind");
+    }
+}

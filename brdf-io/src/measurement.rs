@@ -1,0 +1,147 @@
+//! Measured materials, whatever file they come in.
+
+use std::path::Path;
+
+use brdf_model::{
+    Brdf, MerlLookup, MerlNodes, MerlTable, RglBrdf, SampleSet, ScatteredBrdf, UtiaTable,
+};
+
+use crate::{
+    ColumnMap, Format, FormatError, IoError, MappedFile, ModelFile, detect, read_alta,
+    read_cornell, read_merl, read_model, read_rgl, read_table, read_utia,
+};
+
+/// What the content alone does not say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// How MERL tables are read.
+    pub merl_lookup: MerlLookup,
+    /// What the columns of a table mean.
+    pub columns: Option<ColumnMap>,
+    /// Which wavelength of a table to take, micrometres.
+    pub wavelength_um: Option<f64>,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            merl_lookup: MerlLookup::Trilinear(MerlNodes::Centre),
+            columns: None,
+            wavelength_um: None,
+        }
+    }
+}
+
+/// A material as a file holds it.
+#[derive(Debug)]
+pub enum Measured {
+    /// A MERL table.
+    Merl(MerlTable),
+    /// An RGL material.
+    Rgl(Box<RglBrdf>),
+    /// A UTIA table.
+    Utia(UtiaTable),
+    /// Scattered samples.
+    Samples(Box<ScatteredBrdf>),
+    /// A model that this project fitted.
+    Model(Box<ModelFile>),
+}
+
+impl Measured {
+    /// The material as a function; scattered samples are interpolated, which is for pictures only.
+    pub fn brdf(&self) -> &dyn Brdf {
+        match self {
+            Self::Merl(table) => table,
+            Self::Rgl(material) => material.as_ref(),
+            Self::Utia(table) => table,
+            Self::Samples(samples) => samples.as_ref(),
+            Self::Model(file) => &file.model,
+        }
+    }
+}
+
+/// A material, the format it came in, and what the reader had to assume.
+#[derive(Debug)]
+pub struct Measurement {
+    /// The format.
+    pub format: Format,
+    /// The material.
+    pub measured: Measured,
+    /// What was assumed, chosen or changed, one sentence each.
+    pub notes: Vec<String>,
+    /// Length of the file.
+    pub bytes: usize,
+}
+
+/// Opens a file of any format.
+///
+/// # Errors
+///
+/// [`IoError`], naming the file, the place in it, what was found and what was expected.
+pub fn open_measurement(path: &Path, options: &ReadOptions) -> Result<Measurement, IoError> {
+    let bytes = MappedFile::open(path)?;
+    parse_measurement(&bytes, options).map_err(IoError::format(path))
+}
+
+/// Reads a material from the bytes of a file.
+///
+/// # Errors
+///
+/// [`FormatError`].
+pub fn parse_measurement(bytes: &[u8], options: &ReadOptions) -> Result<Measurement, FormatError> {
+    let format = detect(bytes)?;
+    let mut notes = Vec::new();
+    let measured = match format {
+        Format::Merl => Measured::Merl(read_merl(bytes, options.merl_lookup)?),
+        Format::Rgl => Measured::Rgl(Box::new(read_rgl(bytes)?)),
+        Format::Utia => Measured::Utia(read_utia(bytes)?),
+        Format::Model => Measured::Model(Box::new(read_model(bytes)?)),
+        Format::Cornell => {
+            let spectra = read_cornell(text(bytes)?)?;
+            let (first, last) = (spectra.wavelengths[0], spectra.wavelengths.last().copied());
+            notes.push(format!(
+                "{} wavelengths from {first} to {} nm became linear RGB (CIE 1931 2°, D65)",
+                spectra.wavelengths.len(),
+                last.unwrap_or(first)
+            ));
+            scattered(spectra.samples, &mut notes)?
+        }
+        Format::Alta => {
+            let (samples, said) = read_alta(text(bytes)?)?;
+            notes.extend(said);
+            scattered(samples, &mut notes)?
+        }
+        Format::Table => {
+            let (samples, said) =
+                read_table(text(bytes)?, options.columns.as_ref(), options.wavelength_um)?;
+            notes.extend(said);
+            scattered(samples, &mut notes)?
+        }
+    };
+    Ok(Measurement { format, measured, notes, bytes: bytes.len() })
+}
+
+fn scattered(samples: SampleSet, notes: &mut Vec<String>) -> Result<Measured, FormatError> {
+    if samples.is_empty() {
+        return Err(FormatError::Missing {
+            what: format!("usable samples ({})", samples.dropped()),
+            expected: "at least one row above the horizon with values of 0 or more".to_owned(),
+        });
+    }
+    if samples.clamped() > 0 {
+        notes.push(format!(
+            "{} samples had a negative channel, a colour outside the gamut; it was set to 0",
+            samples.clamped()
+        ));
+    }
+    Ok(Measured::Samples(Box::new(ScatteredBrdf::new(samples))))
+}
+
+fn text(bytes: &[u8]) -> Result<&str, FormatError> {
+    std::str::from_utf8(bytes).map_err(|error| FormatError::Field {
+        offset: error.valid_up_to(),
+        what: "the text",
+        found: "a byte that is not UTF-8".to_owned(),
+        expected: "plain text".to_owned(),
+    })
+}

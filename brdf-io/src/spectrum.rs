@@ -1,0 +1,81 @@
+//! Reflectance spectra to linear RGB.
+
+use brdf_model::Rgb;
+use colorimetry::illuminant::CieIlluminant;
+use colorimetry::observer::Observer;
+use colorimetry::rgb::RgbSpace;
+
+/// Weights that turn values at given wavelengths into linear RGB (Rec. 709 primaries) as the CIE
+/// 1931 2° observer sees them under D65.
+///
+/// Between wavelengths spectra are linear; beyond the first and last they stay constant. A spectrum
+/// of equal values is grey.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpectrumToRgb {
+    weights: Vec<Rgb>,
+}
+
+impl SpectrumToRgb {
+    /// The weights for ascending wavelengths in nanometres, or `None` unless there are two or more.
+    pub fn new(wavelengths: &[f64]) -> Option<Self> {
+        if wavelengths.len() < 2 || !wavelengths.windows(2).all(|w| w[0] < w[1]) {
+            return None;
+        }
+        let observer = Observer::Cie1931;
+        let to_rgb = observer.xyz2rgb_matrix(RgbSpace::SRGB);
+        let raw: Vec<[f64; 3]> = (0..wavelengths.len())
+            .map(|node| {
+                let xyz = observer.xyz_from_colorant_fn(&CieIlluminant::D65, |place| {
+                    hat(wavelengths, node, 380.0 + 400.0 * place)
+                });
+                let [x, y, z] = xyz.to_array();
+                std::array::from_fn(|c| {
+                    to_rgb[(c, 0)] * x + to_rgb[(c, 1)] * y + to_rgb[(c, 2)] * z
+                })
+            })
+            .collect();
+        let white: [f64; 3] = std::array::from_fn(|c| raw.iter().map(|weight| weight[c]).sum());
+        let normalised =
+            |weight: [f64; 3]| Rgb::from(std::array::from_fn(|c| weight[c] / white[c]));
+        Some(Self { weights: raw.into_iter().map(normalised).collect() })
+    }
+
+    /// The colour of a spectrum with one value per wavelength; saturated ones may lie outside the
+    /// gamut, with a negative channel.
+    pub fn rgb(&self, spectrum: &[f64]) -> Rgb {
+        self.weights.iter().zip(spectrum).map(|(&weight, &value)| weight * value).sum()
+    }
+}
+
+/// The piecewise linear function that is 1 at one wavelength and 0 at all others.
+fn hat(wavelengths: &[f64], node: usize, at: f64) -> f64 {
+    let peak = wavelengths[node];
+    let neighbour = if at < peak { node.checked_sub(1) } else { Some(node + 1) };
+    match neighbour.and_then(|n| wavelengths.get(n)) {
+        Some(&other) => (1.0 - (at - peak) / (other - peak)).max(0.0),
+        None => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn converter() -> SpectrumToRgb {
+        let wavelengths: Vec<f64> = (40..=70).map(|w| f64::from(w) * 10.0).collect();
+        SpectrumToRgb::new(&wavelengths).unwrap()
+    }
+
+    #[test]
+    fn an_even_spectrum_is_grey() {
+        let grey = converter().rgb(&[0.25; 31]);
+        assert!(grey.channels().iter().all(|v| (v - 0.25).abs() < 1e-12), "{grey:?}");
+    }
+
+    #[test]
+    fn long_wavelengths_are_red() {
+        let spectrum: Vec<f64> = (0..31).map(|i| f64::from(u8::from(i >= 20))).collect();
+        let red = converter().rgb(&spectrum);
+        assert!(red.r > 0.8 && red.g < 0.1 && red.b.abs() < 0.05, "{red:?}");
+    }
+}

@@ -1,0 +1,189 @@
+//! Lights: one direction, or a lat-long environment with importance sampling.
+
+use std::f64::consts::{PI, TAU};
+
+use brdf_model::Rgb;
+use brdf_param::spherical_direction;
+use glam::DVec3;
+
+/// What lights a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Light {
+    /// A distant point.
+    Directional(DirectionalLight),
+    /// A whole sphere of radiance.
+    Environment(Environment),
+}
+
+/// A distant light of irradiance π on a surface that faces it, so that a white diffuser shows as 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionalLight {
+    /// Angle between the light and the direction to the camera, radians.
+    pub theta: f64,
+    /// Where the light stands around the camera, radians: 0 to the right, π/2 above.
+    pub phi: f64,
+}
+
+impl Default for DirectionalLight {
+    /// 30° from the camera, above and to the left.
+    fn default() -> Self {
+        Self { theta: 30_f64.to_radians(), phi: 135_f64.to_radians() }
+    }
+}
+
+impl DirectionalLight {
+    /// Direction to the light in camera axes: x right, y up, z towards the camera.
+    pub fn direction(&self) -> DVec3 {
+        spherical_direction(self.theta, self.phi)
+    }
+}
+
+/// A lat-long environment that cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{width} × {height} environment: {problem}")]
+pub struct EnvironmentError {
+    width: usize,
+    height: usize,
+    problem: &'static str,
+}
+
+/// A lat-long map of radiance: the top row is up (+y), the centre is −z, the light from the right
+/// (+x) stands in the right half (Debevec's high-resolution convention).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    width: usize,
+    height: usize,
+    texels: Vec<[f32; 3]>,
+    /// Running sum over all texels of luminance times solid angle, normalised.
+    cumulative: Vec<f64>,
+    total: f64,
+}
+
+impl Environment {
+    /// An environment from its texels, row by row from the top.
+    ///
+    /// # Errors
+    ///
+    /// [`EnvironmentError`] unless all texels are there, finite and not negative, and one is lit.
+    pub fn new(
+        width: usize,
+        height: usize,
+        texels: Vec<[f32; 3]>,
+    ) -> Result<Self, EnvironmentError> {
+        let refuse = |problem| EnvironmentError { width, height, problem };
+        if width == 0 || texels.len() != width * height {
+            return Err(refuse("texels are missing"));
+        }
+        if !texels.iter().flatten().all(|v| v.is_finite() && *v >= 0.0) {
+            return Err(refuse("a texel is negative or not finite"));
+        }
+        let mut total = 0.0;
+        let mut cumulative: Vec<f64> = texels
+            .iter()
+            .enumerate()
+            .map(|(index, texel)| {
+                let luminance = Rgb::from(texel.map(f64::from)).luminance();
+                total += luminance * solid_angle(index / width, width, height);
+                total
+            })
+            .collect();
+        if total <= 0.0 {
+            return Err(refuse("no texel is lit"));
+        }
+        cumulative.iter_mut().for_each(|sum| *sum /= total);
+        Ok(Self { width, height, texels, cumulative, total })
+    }
+
+    /// Radiance from a unit direction.
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        Rgb::from(self.texels[self.texel(direction)].map(f64::from))
+    }
+
+    /// Density, per steradian, with which [`Environment::sample`] gives a direction.
+    pub fn density(&self, direction: DVec3) -> f64 {
+        self.radiance(direction).luminance() / self.total
+    }
+
+    /// A direction with density proportional to luminance, from two numbers in [0, 1).
+    #[expect(clippy::cast_precision_loss, reason = "image sides are far below 2⁵³")]
+    pub fn sample(&self, u: f64, v: f64) -> DVec3 {
+        let index = self.cumulative.partition_point(|&sum| sum <= u).min(self.texels.len() - 1);
+        let before = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        let width = self.cumulative[index] - before;
+        let across = if width > 0.0 { ((u - before) / width).clamp(0.0, 1.0) } else { 0.5 };
+        let (row, column) = (index / self.width, index % self.width);
+        let rows = self.height as f64;
+        let (top, bottom) = ((PI * row as f64 / rows).cos(), (PI * (row + 1) as f64 / rows).cos());
+        let y = top + v * (bottom - top);
+        let phi = TAU * ((column as f64 + across) / self.width as f64 - 0.5);
+        let planar = (1.0 - y * y).max(0.0).sqrt();
+        DVec3::new(planar * phi.sin(), y, -planar * phi.cos())
+    }
+
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positions are clamped to the image"
+    )]
+    fn texel(&self, direction: DVec3) -> usize {
+        let u = direction.x.atan2(-direction.z) / TAU + 0.5;
+        let v = direction.y.clamp(-1.0, 1.0).acos() / PI;
+        let side =
+            |position: f64, count: usize| ((position * count as f64) as usize).min(count - 1);
+        side(v, self.height) * self.width + side(u, self.width)
+    }
+}
+
+/// Steradians of a texel in a row.
+#[expect(clippy::cast_precision_loss, reason = "image sides are far below 2⁵³")]
+fn solid_angle(row: usize, width: usize, height: usize) -> f64 {
+    let edge = |row: usize| (PI * row as f64 / height as f64).cos();
+    TAU / width as f64 * (edge(row) - edge(row + 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uneven() -> Environment {
+        let texels = (0..32_u8).map(|i| [f32::from(i % 5), 1.0, f32::from(i % 3)]).collect();
+        Environment::new(8, 4, texels).unwrap()
+    }
+
+    #[test]
+    fn the_density_integrates_to_one() {
+        let environment = uneven();
+        let total: f64 = (0..32)
+            .map(|index| {
+                let luminance = Rgb::from(environment.texels[index].map(f64::from)).luminance();
+                luminance / environment.total * solid_angle(index / 8, 8, 4)
+            })
+            .sum();
+        assert!((total - 1.0).abs() < 1e-12, "{total}");
+    }
+
+    #[test]
+    fn samples_fall_into_texels_by_their_share() {
+        let environment = uneven();
+        let mut hits = [0_u32; 32];
+        for i in 0..4096 {
+            let direction = environment.sample((f64::from(i) + 0.5) / 4096.0, 0.37);
+            hits[environment.texel(direction)] += 1;
+        }
+        for (index, hit) in hits.iter().enumerate() {
+            let before = if index == 0 { 0.0 } else { environment.cumulative[index - 1] };
+            let share = environment.cumulative[index] - before;
+            assert!((f64::from(*hit) / 4096.0 - share).abs() < 1e-3, "texel {index}");
+        }
+    }
+
+    #[test]
+    fn the_centre_of_the_image_is_behind_the_object() {
+        let mut texels = vec![[0.0; 3]; 64];
+        texels[4 * 8 + 4] = [1.0; 3];
+        let environment = Environment::new(8, 8, texels).unwrap();
+        let direction = environment.sample(0.5, 0.5);
+        assert!(direction.z < -0.9, "{direction}");
+    }
+}

@@ -1,0 +1,214 @@
+//! A sphere under a light.
+
+use brdf_model::{Brdf, DirectionBatch, Rgb, RgbBatch, ScrambledSobol, cosine_hemisphere};
+use brdf_param::{DirectionPair, spherical_direction};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+use crate::film::{Film, Pixel};
+use crate::{Environment, Light};
+
+/// The picture of a sphere: orthographic, filling the frame but for a small margin. The tangent of
+/// the surface runs along the meridians' east, so anisotropic materials are brushed around the
+/// vertical axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereView {
+    /// Pixels along each side.
+    pub size: usize,
+    /// Samples of the environment per pixel; for a directional light, points across the pixel.
+    pub samples: u32,
+}
+
+impl Default for SphereView {
+    fn default() -> Self {
+        Self { size: 256, samples: 256 }
+    }
+}
+
+/// Radius of the sphere in half frames.
+const RADIUS: f64 = 0.96;
+/// Points along each side of a pixel under a directional light.
+const SUPERSAMPLING: u32 = 3;
+
+/// Renders a sphere. The same view and light give the same random numbers for every material, so
+/// that differences show the materials.
+pub fn render_sphere(brdf: &dyn Brdf, light: &Light, view: &SphereView) -> Film {
+    let size = view.size.max(1);
+    let pixels = (0..size)
+        .into_par_iter()
+        .flat_map_iter(|row| {
+            let mut scratch = Scratch::default();
+            (0..size)
+                .map(|column| match light {
+                    Light::Directional(light) => {
+                        directional(brdf, light.direction(), size, column, row)
+                    }
+                    Light::Environment(environment) => {
+                        lit_by(brdf, environment, view, column, row, &mut scratch)
+                    }
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    Film::new(size, pixels)
+}
+
+/// The surface frame at a point of the visible hemisphere: east, north, normal.
+struct Frame {
+    tangent: DVec3,
+    bitangent: DVec3,
+    normal: DVec3,
+}
+
+impl Frame {
+    fn at(point: DVec2) -> Option<Self> {
+        let radius_sq = point.length_squared();
+        if radius_sq >= 1.0 {
+            return None;
+        }
+        let normal = point.extend((1.0 - radius_sq).sqrt());
+        let tangent = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
+        Some(Self { tangent, bitangent: normal.cross(tangent), normal })
+    }
+
+    fn to_local(&self, w: DVec3) -> DVec3 {
+        DVec3::new(w.dot(self.tangent), w.dot(self.bitangent), w.dot(self.normal))
+    }
+
+    fn to_world(&self, w: DVec3) -> DVec3 {
+        w.x * self.tangent + w.y * self.bitangent + w.z * self.normal
+    }
+}
+
+/// The point of the unit sphere's disc under a place in the picture, y up.
+#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
+fn disc_point(size: usize, column: f64, row: f64) -> DVec2 {
+    let half = 0.5 * size as f64;
+    DVec2::new(column - half, half - row) / (half * RADIUS)
+}
+
+#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
+fn directional(brdf: &dyn Brdf, light: DVec3, size: usize, column: usize, row: usize) -> Pixel {
+    let (mut sum, mut hits, mut known) = (Rgb::BLACK, 0_u32, 0_u32);
+    for step in 0..SUPERSAMPLING * SUPERSAMPLING {
+        let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(SUPERSAMPLING);
+        let x = column as f64 + offset(step % SUPERSAMPLING);
+        let y = row as f64 + offset(step / SUPERSAMPLING);
+        let Some(frame) = Frame::at(disc_point(size, x, y)) else { continue };
+        hits += 1;
+        let pair = DirectionPair::new(frame.to_local(light), frame.to_local(DVec3::Z));
+        if pair.wi.z <= 0.0 {
+            known += 1;
+        } else if brdf.covers(&pair) {
+            known += 1;
+            sum = sum + brdf.eval(&pair) * (PI * pair.wi.z);
+        }
+    }
+    finish(sum / f64::from(known.max(1)), hits, known)
+}
+
+fn finish(radiance: Rgb, hits: u32, known: u32) -> Pixel {
+    if hits == 0 {
+        Pixel::Background
+    } else if 2 * known < hits {
+        Pixel::NoData
+    } else {
+        Pixel::Radiance(radiance, f64::from(hits) / f64::from(SUPERSAMPLING * SUPERSAMPLING))
+    }
+}
+
+/// Buffers that one row of pixels shares.
+#[derive(Default)]
+struct Scratch {
+    pairs: DirectionBatch,
+    /// Incident radiance times cosine over density, per pair.
+    weights: Vec<Rgb>,
+    values: RgbBatch,
+}
+
+/// One third of the samples each: the environment's bright places, the cosine, and a lobe about the
+/// mirror direction; combined with the balance heuristic.
+#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
+fn lit_by(
+    brdf: &dyn Brdf,
+    environment: &Environment,
+    view: &SphereView,
+    column: usize,
+    row: usize,
+    scratch: &mut Scratch,
+) -> Pixel {
+    let size = view.size.max(1);
+    let cover = coverage(size, column, row);
+    if cover <= 0.0 {
+        return Pixel::Background;
+    }
+    let centre = disc_point(size, column as f64 + 0.5, row as f64 + 0.5);
+    let inside = centre * (0.9995 / centre.length().max(0.9995));
+    let Some(frame) = Frame::at(inside) else { return Pixel::Background };
+    let wo = frame.to_local(DVec3::Z);
+    let lobe = HalfLobe { wo };
+    let sobol = ScrambledSobol::new((row * size + column) as u64);
+    scratch.pairs.clear();
+    scratch.weights.clear();
+    let mut uncovered = 0_u32;
+    for index in 0..view.samples.max(1) {
+        let [u, v, ..] = sobol.point(index);
+        let wi = match index % 3 {
+            0 => frame.to_local(environment.sample(u, v)),
+            1 => cosine_hemisphere(u, v).0,
+            _ => lobe.sample(u, v),
+        };
+        if wi.z <= 0.0 {
+            continue;
+        }
+        let world = frame.to_world(wi);
+        let density = (environment.density(world) + wi.z / PI + lobe.density(wi)) / 3.0;
+        let pair = DirectionPair::new(wi, wo);
+        if density > 0.0 {
+            if brdf.covers(&pair) {
+                scratch.pairs.push(&pair);
+                scratch.weights.push(environment.radiance(world) * (wi.z / density));
+            } else {
+                uncovered += 1;
+            }
+        }
+    }
+    if uncovered as usize > scratch.weights.len() {
+        return Pixel::NoData;
+    }
+    brdf.eval_batch(&scratch.pairs, &mut scratch.values);
+    let sum: Rgb =
+        scratch.weights.iter().enumerate().map(|(i, &w)| scratch.values.get(i) * w).sum();
+    Pixel::Radiance(sum / f64::from(view.samples.max(1)), cover)
+}
+
+/// Share of a pixel that the sphere covers, from its distance to the rim.
+#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
+fn coverage(size: usize, column: usize, row: usize) -> f64 {
+    let radius = disc_point(size, column as f64 + 0.5, row as f64 + 0.5).length();
+    let pixels_inside = (1.0 - radius) * 0.5 * size as f64 * RADIUS;
+    (pixels_inside + 0.5).clamp(0.0, 1.0)
+}
+
+/// Directions mirrored about half vectors that cluster around the normal.
+struct HalfLobe {
+    wo: DVec3,
+}
+
+impl HalfLobe {
+    /// Exponent of the half vector's cosine: broad enough for satin, narrow enough for gloss.
+    const EXPONENT: f64 = 60.0;
+
+    fn sample(&self, u: f64, v: f64) -> DVec3 {
+        let cosine = u.powf(1.0 / (Self::EXPONENT + 1.0));
+        let half = spherical_direction(cosine.acos(), TAU * v);
+        2.0 * self.wo.dot(half) * half - self.wo
+    }
+
+    fn density(&self, wi: DVec3) -> f64 {
+        let half = (wi + self.wo).normalize_or(DVec3::Z);
+        let cosine = self.wo.dot(half).abs().max(1e-6);
+        (Self::EXPONENT + 1.0) / TAU * half.z.max(0.0).powf(Self::EXPONENT) / (4.0 * cosine)
+    }
+}

@@ -1,0 +1,43 @@
+//! Factor textures to look at.
+
+use brdf_factor::Factor;
+use brdf_model::{Channels, Rgb};
+
+use crate::display::{DisplayImage, srgb_bytes};
+
+/// The colour of texels outside the mask: the yellow of the thesis' figures.
+pub const MASKED_OUT: [u8; 3] = [230, 190, 40];
+
+/// Side of the picture in pixels; texels become squares of equal size.
+const SIDE: usize = 256;
+
+/// A factor's texels, exponentiated and scaled so that each channel's largest value shows as white,
+/// with v upwards. One-dimensional factors become a band.
+pub fn texture_view(factor: &Factor, channels: Channels) -> DisplayImage {
+    let grid = factor.grid();
+    let mask = factor.mask();
+    let value = |texel: usize| {
+        let [r, g, b, _] = factor.texels()[texel].map(|log| f64::from(log).exp());
+        match channels {
+            Channels::Rgb => Rgb::new(r, g, b),
+            Channels::Luminance => Rgb::splat(r),
+        }
+    };
+    let white = (0..grid.texels())
+        .filter(|&texel| mask[texel])
+        .map(value)
+        .fold(Rgb::splat(f64::MIN_POSITIVE), |best, v| best.zip(v, f64::max));
+    let zoom = (SIDE / grid.size).max(1);
+    let height = if grid.dimensions == 1 { 32 } else { grid.size * zoom };
+    let mut picture = DisplayImage::filled(grid.size * zoom, height, MASKED_OUT);
+    for row in 0..height {
+        let v = if grid.dimensions == 1 { 0 } else { grid.size - 1 - row / zoom };
+        for column in 0..grid.size * zoom {
+            let texel = v * grid.size + column / zoom;
+            if mask[texel] {
+                picture.set(column, row, srgb_bytes(value(texel).zip(white, |v, w| v / w)));
+            }
+        }
+    }
+    picture
+}
