@@ -1,1 +1,45 @@
-fn main() {}
+//! The `brdf` command: parse, run, exit code.
+
+mod args;
+mod commands;
+mod fitting;
+mod numbers;
+mod pictures;
+mod progress;
+mod report;
+mod subject;
+
+use std::io::{self, ErrorKind, Write as _};
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+fn main() -> ExitCode {
+    let command = commands::Cli::parse();
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    let outcome = command.run(&mut out).and_then(|code| {
+        out.flush()?;
+        Ok(code)
+    });
+    match outcome {
+        Ok(code) => code,
+        Err(error) => explain(&error),
+    }
+}
+
+/// One line on standard error: 2 for usage, 1 for everything else. A reader that closed the pipe
+/// has what it wanted.
+fn explain(error: &anyhow::Error) -> ExitCode {
+    let pipe_closed = error.chain().any(|cause| {
+        cause.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
+    });
+    if pipe_closed {
+        return ExitCode::SUCCESS;
+    }
+    if let Some(usage) = error.downcast_ref::<clap::Error>() {
+        let _ = usage.print();
+        return ExitCode::from(2);
+    }
+    let _ = writeln!(io::stderr(), "brdf: {error:#}");
+    ExitCode::FAILURE
+}

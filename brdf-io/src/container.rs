@@ -1,23 +1,56 @@
-//! The native container of factored models: safetensors with one JSON record.
+//! The native container: safetensors with one JSON record under the metadata key `brdf`.
 //!
-//! Tensors `factor0`, `factor1` … hold log texels in f32: `[v, u, channel]` for two-dimensional
-//! factors, `[x, channel]` for one-dimensional ones. The metadata key `brdf` holds the record: how
-//! coordinates reach texels, the log maps, the options and the errors of the fit. No time, path or
-//! thread count, so that equal runs give equal bytes.
+//! A factored model: tensors `factor0`, `factor1` … hold log texels in f32: `[v, u, channel]` for two-dimensional
+//! factors, `[x, channel]` for one-dimensional ones; the record says how coordinates reach texels,
+//! and holds the log maps, the options and the errors of the fit. No time, path or thread count, so
+//! that equal runs give equal bytes.
+//!
+//! A MERL-grid table: one tensor `cells`, f32 `[theta_h, theta_d, phi_d, channel]`, negative where
+//! invalid. Scattered samples: `directions`, f64 `[sample, 6]` (wi, then wo), and `values`, f64
+//! `[sample, channel]`.
 
 use std::collections::HashMap;
 
 use brdf_factor::{ChannelMap, Factor, FactorDescription, FactorParams, FactoredBrdf};
-use brdf_model::{Dropped, FitErrors};
+use brdf_model::{Channels, Dropped, FitErrors, MerlLookup, MerlTable, SampleSet};
+use brdf_param::DirectionPair;
+use glam::DVec3;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
+use crate::bytes::{f32_values, f64_values};
 
 const KEY: &str = "brdf";
-const KIND: &str = "factored";
 const VERSION: u32 = 1;
+
+/// What a container holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Kind {
+    Factored,
+    MerlTable,
+    Samples,
+}
+
+/// The part of the record that every kind has.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    kind: Kind,
+    version: u32,
+}
+
+/// The content of a container.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contained {
+    /// A factored model.
+    Model(Box<ModelFile>),
+    /// A table on the MERL grid.
+    Table(MerlTable),
+    /// Scattered samples.
+    Samples(SampleSet),
+}
 
 /// A model and the record of how it was made.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,8 +109,8 @@ pub struct TermRecord {
 
 #[derive(Serialize, Deserialize)]
 struct Record {
-    kind: String,
-    version: u32,
+    #[serde(flatten)]
+    head: Head,
     theta_max: f64,
     maps: Vec<ChannelMap>,
     factors: Vec<FactorDescription>,
@@ -92,8 +125,7 @@ struct Record {
 pub fn record_of(file: &ModelFile) -> Result<String, FormatError> {
     let model = &file.model;
     let record = Record {
-        kind: KIND.to_owned(),
-        version: VERSION,
+        head: Head { kind: Kind::Factored, version: VERSION },
         theta_max: model.theta_max(),
         maps: model.maps().to_vec(),
         factors: model.factors().iter().map(|f| f.description().clone()).collect(),
@@ -120,23 +152,72 @@ pub fn model_to_bytes(file: &ModelFile) -> Result<Vec<u8>, FormatError> {
             (tensor_name(index), shape, bytes.flat_map(|v| v.to_le_bytes()).collect())
         })
         .collect();
-    let views: Result<Vec<(&str, TensorView<'_>)>, FormatError> = tensors
+    let tensors = tensors
         .iter()
-        .map(|(name, shape, bytes)| {
-            let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
-            Ok((name.as_str(), view.map_err(|e| library("safetensors", &e))?))
-        })
-        .collect();
-    let metadata = HashMap::from([(KEY.to_owned(), record_of(file)?)]);
-    safetensors::serialize(views?, Some(metadata)).map_err(|e| library("safetensors", &e))
+        .map(|(name, shape, bytes)| (name.as_str(), Dtype::F32, shape.clone(), bytes.as_slice()));
+    serialize(tensors, record_of(file)?)
 }
 
-/// Reads a model.
+/// The bytes of a table's file.
 ///
 /// # Errors
 ///
-/// [`FormatError`] for anything that is not a whole and consistent model.
-pub fn read_model(bytes: &[u8]) -> Result<ModelFile, FormatError> {
+/// [`FormatError::Library`] if they cannot be put together.
+pub fn table_to_bytes(table: &MerlTable) -> Result<Vec<u8>, FormatError> {
+    let bytes: Vec<u8> = table.cells().iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    serialize([("cells", Dtype::F32, TABLE_SHAPE.to_vec(), &bytes[..])], head(Kind::MerlTable)?)
+}
+
+/// The bytes of a file of samples.
+///
+/// # Errors
+///
+/// [`FormatError::Library`] if they cannot be put together.
+pub fn samples_to_bytes(samples: &SampleSet) -> Result<Vec<u8>, FormatError> {
+    let directions: Vec<u8> = samples
+        .pairs()
+        .flat_map(|pair| [pair.wi.to_array(), pair.wo.to_array()])
+        .flatten()
+        .flat_map(f64::to_le_bytes)
+        .collect();
+    let values: Vec<u8> = (0..samples.len())
+        .flat_map(|i| samples.values().iter().map(move |channel| channel[i]))
+        .flat_map(f64::to_le_bytes)
+        .collect();
+    let tensors = [
+        ("directions", Dtype::F64, vec![samples.len(), 6], &directions[..]),
+        ("values", Dtype::F64, vec![samples.len(), samples.values().len()], &values[..]),
+    ];
+    serialize(tensors, head(Kind::Samples)?)
+}
+
+fn head(kind: Kind) -> Result<String, FormatError> {
+    serde_json::to_string(&Head { kind, version: VERSION }).map_err(|e| library("record", &e))
+}
+
+fn serialize<'a>(
+    tensors: impl IntoIterator<Item = (&'a str, Dtype, Vec<usize>, &'a [u8])>,
+    record: String,
+) -> Result<Vec<u8>, FormatError> {
+    let views: Result<Vec<(&str, TensorView<'_>)>, FormatError> = tensors
+        .into_iter()
+        .map(|(name, kind, shape, bytes)| {
+            let view = TensorView::new(kind, shape, bytes);
+            Ok((name, view.map_err(|e| library("safetensors", &e))?))
+        })
+        .collect();
+    let metadata = HashMap::from([(KEY.to_owned(), record)]);
+    safetensors::serialize(views?, Some(metadata)).map_err(|e| library("safetensors", &e))
+}
+
+const TABLE_SHAPE: [usize; 4] = [MerlTable::THETA_H, MerlTable::THETA_D, MerlTable::PHI_D, 3];
+
+/// Reads a container of any kind; tables are read with this lookup.
+///
+/// # Errors
+///
+/// [`FormatError`] for anything that is not whole and consistent.
+pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, FormatError> {
     let (_, metadata) =
         SafeTensors::read_metadata(bytes).map_err(|e| library("safetensors", &e))?;
     let record = metadata.metadata().as_ref().and_then(|m| m.get(KEY)).ok_or_else(|| {
@@ -145,14 +226,23 @@ pub fn read_model(bytes: &[u8]) -> Result<ModelFile, FormatError> {
             expected: "a safetensors file written by brdf".to_owned(),
         }
     })?;
-    let record: Record = serde_json::from_str(record).map_err(|e| library("model record", &e))?;
-    if record.kind != KIND || record.version != VERSION {
+    let head: Head = serde_json::from_str(record).map_err(|e| library("record", &e))?;
+    if head.version != VERSION {
         return Err(FormatError::Missing {
-            what: format!("model that can be read ({} version {})", record.kind, record.version),
-            expected: format!("{KIND} version {VERSION}"),
+            what: format!("version that can be read ({})", head.version),
+            expected: format!("version {VERSION}"),
         });
     }
     let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
+    Ok(match head.kind {
+        Kind::Factored => Contained::Model(Box::new(read_factored(record, &tensors)?)),
+        Kind::MerlTable => Contained::Table(read_cells(&tensors, lookup)?),
+        Kind::Samples => Contained::Samples(read_samples(&tensors)?),
+    })
+}
+
+fn read_factored(record: &str, tensors: &SafeTensors<'_>) -> Result<ModelFile, FormatError> {
+    let record: Record = serde_json::from_str(record).map_err(|e| library("model record", &e))?;
     let channels = record.maps.len();
     let factors: Result<Vec<Factor>, FormatError> = record
         .factors
@@ -160,24 +250,69 @@ pub fn read_model(bytes: &[u8]) -> Result<ModelFile, FormatError> {
         .enumerate()
         .map(|(index, description)| {
             description.check()?;
-            let name = tensor_name(index);
-            let view = tensors.tensor(&name).map_err(|e| library("safetensors", &e))?;
-            let expected = tensor_shape(&description, channels);
-            if view.dtype() != Dtype::F32 || view.shape() != expected {
-                return Err(FormatError::Missing {
-                    what: format!(
-                        "tensor {name} in f32 of shape {expected:?} ({:?} {:?})",
-                        view.dtype(),
-                        view.shape()
-                    ),
-                    expected: "what the record describes".to_owned(),
-                });
-            }
-            Ok(Factor::new(description, Some(texels(view.data(), channels)))?)
+            let shape = tensor_shape(&description, channels);
+            let data = tensor(tensors, &tensor_name(index), Dtype::F32, &shape)?;
+            Ok(Factor::new(description, Some(texels(data, channels)))?)
         })
         .collect();
     let model = FactoredBrdf::new(factors?, record.maps, record.theta_max)?;
     Ok(ModelFile { model, fit: record.fit })
+}
+
+fn read_cells(tensors: &SafeTensors<'_>, lookup: MerlLookup) -> Result<MerlTable, FormatError> {
+    let data = tensor(tensors, "cells", Dtype::F32, &TABLE_SHAPE)?;
+    Ok(MerlTable::new(f32_values(data).as_chunks::<3>().0.to_vec(), lookup)?)
+}
+
+fn read_samples(tensors: &SafeTensors<'_>) -> Result<SampleSet, FormatError> {
+    let shape = |name: &str| {
+        tensors
+            .tensor(name)
+            .map(|view| view.shape().to_vec())
+            .map_err(|e| library("safetensors", &e))
+    };
+    let (count, channels) = match shape("values")?[..] {
+        [count, 1] => (count, Channels::Luminance),
+        [count, 3] => (count, Channels::Rgb),
+        ref other => {
+            return Err(FormatError::Missing {
+                what: format!("values of one or three channels (shape {other:?})"),
+                expected: "shape [samples, 1] or [samples, 3]".to_owned(),
+            });
+        }
+    };
+    let directions = tensor(tensors, "directions", Dtype::F64, &[count, 6])?;
+    let values = tensor(tensors, "values", Dtype::F64, &[count, channels.count()])?;
+    let directions: Vec<f64> = f64_values(directions).collect();
+    let values: Vec<f64> = f64_values(values).collect();
+    let mut samples = SampleSet::new(channels);
+    for (directions, values) in
+        directions.as_chunks::<6>().0.iter().zip(values.chunks_exact(channels.count()))
+    {
+        let [ix, iy, iz, ox, oy, oz] = *directions;
+        // Anything but a unit vector is no direction; the set counts it.
+        let unit = |w: DVec3| if w.is_normalized() { w } else { DVec3::NAN };
+        let pair = DirectionPair::new(unit(DVec3::new(ix, iy, iz)), unit(DVec3::new(ox, oy, oz)));
+        samples.push(&pair, values);
+    }
+    Ok(samples)
+}
+
+/// The bytes of a tensor of the expected type and shape.
+fn tensor<'a>(
+    tensors: &SafeTensors<'a>,
+    name: &str,
+    kind: Dtype,
+    shape: &[usize],
+) -> Result<&'a [u8], FormatError> {
+    let view = tensors.tensor(name).map_err(|e| library("safetensors", &e))?;
+    if view.dtype() == kind && view.shape() == shape {
+        return Ok(view.data());
+    }
+    Err(FormatError::Missing {
+        what: format!("tensor {name} in {kind:?} of shape {shape:?}"),
+        expected: format!("that instead of {:?} {:?}", view.dtype(), view.shape()),
+    })
 }
 
 fn tensor_name(index: usize) -> String {
@@ -190,7 +325,7 @@ fn tensor_shape(description: &FactorDescription, channels: usize) -> Vec<usize> 
 }
 
 fn texels(bytes: &[u8], channels: usize) -> Vec<[f32; 4]> {
-    crate::bytes::f32_values(bytes)
+    f32_values(bytes)
         .chunks_exact(channels.clamp(1, 4))
         .map(|values| std::array::from_fn(|c| values.get(c).copied().unwrap_or(0.0)))
         .collect()

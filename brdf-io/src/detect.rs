@@ -21,8 +21,8 @@ pub enum Format {
     Alta,
     /// A table of numbers with a header.
     Table,
-    /// A model that this project wrote.
-    Model,
+    /// A container that this project wrote.
+    Native,
 }
 
 impl Format {
@@ -35,7 +35,7 @@ impl Format {
             Self::Utia => "UTIA binary",
             Self::Alta => "ALTA text",
             Self::Table => "table of samples",
-            Self::Model => "factored model",
+            Self::Native => "brdf container",
         }
     }
 }
@@ -53,7 +53,7 @@ pub fn detect(bytes: &[u8]) -> Result<Format, FormatError> {
         return Ok(Format::Merl);
     }
     if is_safetensors(bytes) {
-        return Ok(Format::Model);
+        return Ok(Format::Native);
     }
     if bytes.len() == utia::FILE_LENGTH {
         return Ok(Format::Utia);

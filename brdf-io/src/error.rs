@@ -63,7 +63,7 @@ pub enum FormatError {
     /// No reader knows the content.
     #[error(
         "unknown format (starts with {start}); expected MERL .binary, RGL .bsdf, Cornell .brdf, \
-         UTIA .bin, ALTA text, a table with a header, or a model written by brdf"
+         UTIA .bin, ALTA text, a table with a header, or a container written by brdf"
     )]
     Unknown {
         /// The first bytes, made printable.

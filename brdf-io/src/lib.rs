@@ -25,7 +25,8 @@ mod utia;
 pub use alta::read_alta;
 pub use atomic::{OutputFolder, folder_written_by_us, write_atomically};
 pub use container::{
-    FitRecord, FitSettings, ModelFile, TermRecord, model_to_bytes, read_model, record_of,
+    Contained, FitRecord, FitSettings, ModelFile, TermRecord, model_to_bytes, read_container,
+    record_of, samples_to_bytes, table_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};
 pub use detect::{Format, detect};

@@ -7,8 +7,8 @@ use brdf_model::{
 };
 
 use crate::{
-    ColumnMap, Format, FormatError, IoError, MappedFile, ModelFile, detect, read_alta,
-    read_cornell, read_merl, read_model, read_rgl, read_table, read_utia,
+    ColumnMap, Contained, Format, FormatError, IoError, MappedFile, ModelFile, detect, read_alta,
+    read_container, read_cornell, read_merl, read_rgl, read_table, read_utia,
 };
 
 /// What the content alone does not say.
@@ -95,7 +95,11 @@ pub fn parse_measurement(bytes: &[u8], options: &ReadOptions) -> Result<Measurem
         Format::Merl => Measured::Merl(read_merl(bytes, options.merl_lookup)?),
         Format::Rgl => Measured::Rgl(Box::new(read_rgl(bytes)?)),
         Format::Utia => Measured::Utia(read_utia(bytes)?),
-        Format::Model => Measured::Model(Box::new(read_model(bytes)?)),
+        Format::Native => match read_container(bytes, options.merl_lookup)? {
+            Contained::Model(file) => Measured::Model(file),
+            Contained::Table(table) => Measured::Merl(table),
+            Contained::Samples(samples) => scattered(samples, &mut notes)?,
+        },
         Format::Cornell => {
             let spectra = read_cornell(text(bytes)?)?;
             let (first, last) = (spectra.wavelengths[0], spectra.wavelengths.last().copied());

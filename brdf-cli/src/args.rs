@@ -1,0 +1,138 @@
+//! Arguments that several commands share, and the choices behind them.
+
+use std::path::{Path, PathBuf};
+
+use brdf_io::{ColumnMap, ReadOptions};
+use brdf_model::{Channels, MerlLookup, MerlNodes};
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, ValueEnum};
+
+use crate::commands::Cli;
+
+/// How measured files are read.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Reading measured files")]
+pub(crate) struct ReadArgs {
+    /// Where in its cell a MERL value stands; the literature disagrees
+    #[arg(long, value_enum, default_value_t = MerlNodesArg::Centre)]
+    merl_nodes: MerlNodesArg,
+
+    /// What the columns of a table mean, as meaning=name pairs separated by commas. Meanings:
+    /// theta_i_deg phi_i_deg theta_o_deg phi_o_deg (or _rad), r g b or value, wavelength_um.
+    /// Example: --columns theta_i_deg=zenith_in,phi_i_deg=az_in,theta_o_deg=zenith_out,phi_o_deg=az_out,value=brdf
+    #[arg(long, value_name = "MEANING=NAME,…")]
+    columns: Option<ColumnMap>,
+
+    /// Of a table with wavelengths, take the one nearest to this, in micrometres [default: 0.55]
+    #[arg(long, value_name = "UM")]
+    wavelength_um: Option<f64>,
+}
+
+impl ReadArgs {
+    pub(crate) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            merl_lookup: MerlLookup::Trilinear(self.merl_nodes.into()),
+            columns: self.columns.clone(),
+            wavelength_um: self.wavelength_um,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MerlNodesArg {
+    /// At the cell's centre (ALTA)
+    Centre,
+    /// At the cell's lower edge (libbsdf)
+    Edge,
+}
+
+impl From<MerlNodesArg> for MerlNodes {
+    fn from(nodes: MerlNodesArg) -> Self {
+        match nodes {
+            MerlNodesArg::Centre => Self::Centre,
+            MerlNodesArg::Edge => Self::Edge,
+        }
+    }
+}
+
+/// Which pairs are drawn.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct PairArgs {
+    /// Largest angle between a direction and the normal, degrees, above 0 and at most 90
+    #[arg(long, value_name = "DEG", default_value_t = 80.0, value_parser = theta_limit)]
+    pub(crate) max_theta_deg: f64,
+
+    /// One channel: Rec. 709 luminance, weights .2126 .7152 .0722
+    #[arg(long)]
+    pub(crate) luminance: bool,
+}
+
+impl PairArgs {
+    pub(crate) fn theta_max(&self) -> f64 {
+        self.max_theta_deg.to_radians()
+    }
+
+    /// The channels to work on, given those that a material has.
+    pub(crate) fn channels(&self, native: Channels) -> Channels {
+        if self.luminance { Channels::Luminance } else { native }
+    }
+}
+
+fn theta_limit(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(angle) if angle > 0.0 && angle <= 90.0 => Ok(angle),
+        _ => Err("expected degrees above 0 and at most 90".to_owned()),
+    }
+}
+
+/// A number that is finite and at least 0.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a number of 0 or more".to_owned()),
+    }
+}
+
+/// A number that is finite and above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+/// What lights a picture.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Lighting")]
+pub(crate) struct LightArgs {
+    /// Light the sphere with a lat-long Radiance HDR environment instead of one light
+    #[arg(long, value_name = "FILE", conflicts_with = "light_deg")]
+    pub(crate) env: Option<PathBuf>,
+
+    /// Where the light stands: degrees from the direction to the camera, and degrees around it (0
+    /// right, 90 above) [default: 30,135]
+    #[arg(long, value_name = "THETA,PHI", value_parser = two_angles, allow_hyphen_values = true)]
+    pub(crate) light_deg: Option<[f64; 2]>,
+}
+
+fn two_angles(text: &str) -> Result<[f64; 2], String> {
+    let angles: Vec<f64> = text
+        .split(',')
+        .map(str::parse)
+        .collect::<Result<_, _>>()
+        .map_err(|_| "expected two numbers, such as 30,0".to_owned())?;
+    match angles[..] {
+        [theta, phi] if theta.is_finite() && phi.is_finite() => Ok([theta, phi]),
+        _ => Err("expected two numbers, such as 30,0".to_owned()),
+    }
+}
+
+/// A usage error of a subcommand, with exit code 2.
+pub(crate) fn usage(message: impl std::fmt::Display) -> anyhow::Error {
+    Cli::command().error(ErrorKind::ArgumentConflict, message).into()
+}
+
+/// A path that messages can show; `-` is standard output.
+pub(crate) fn is_standard_output(path: Option<&Path>) -> bool {
+    path.is_none_or(|path| path == Path::new("-"))
+}

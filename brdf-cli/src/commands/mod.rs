@@ -1,0 +1,58 @@
+//! The command line: one module per subcommand.
+
+mod compare;
+mod completions;
+mod convert;
+mod eval;
+mod factor;
+mod info;
+mod render;
+mod sample;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub(crate) use factor::Pictures;
+
+/// Measured materials, small, fast and visible: factor BRDFs into textures, say what was lost,
+/// show it.
+///
+/// A MODEL or REFERENCE is a measured file (MERL .binary, RGL .bsdf, Cornell .brdf, UTIA .bin, ALTA
+/// text, a table with a header; recognised by content), a model that `brdf factor` wrote, or
+/// preset:NAME for a built-in material. Values are in sr⁻¹ without the cosine, linear RGB; angles
+/// are in degrees.
+#[derive(Parser)]
+#[command(name = "brdf", version, arg_required_else_help = true, propagate_version = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Factor(factor::Factor),
+    Info(info::Info),
+    Compare(compare::Compare),
+    Render(render::Render),
+    Eval(eval::Eval),
+    Sample(sample::Sample),
+    Convert(convert::Convert),
+    Completions(completions::Completions),
+}
+
+impl Cli {
+    pub(crate) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        match self.command {
+            Command::Factor(command) => command.run(out),
+            Command::Info(command) => command.run(out),
+            Command::Compare(command) => command.run(out),
+            Command::Render(command) => command.run(out),
+            Command::Eval(command) => command.run(out),
+            Command::Sample(command) => command.run(out),
+            Command::Convert(command) => command.run(out),
+            Command::Completions(command) => command.run(out),
+        }
+    }
+}

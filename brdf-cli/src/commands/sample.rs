@@ -1,0 +1,83 @@
+//! `brdf sample`.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use brdf_io::{samples_to_csv, write_atomically};
+use brdf_model::{PairSampling, SampleSet};
+
+use crate::args::{PairArgs, ReadArgs, is_standard_output};
+use crate::subject::Subject;
+
+/// Draw direction pairs and write them with their values
+///
+/// Pairs are uniform on two parabolic discs, from a scrambled Sobol sequence: what `brdf factor`
+/// fits. Scattered measurements give their own rows instead. Output is a CSV table with columns
+/// theta_i_deg, phi_i_deg, theta_o_deg, phi_o_deg, r, g, b (or value for one channel), which
+/// `brdf eval --directions` and every command that takes a measured file can read.
+///
+/// Example: brdf sample preset:ggx -n 1000 -o pairs.csv
+#[derive(clap::Args)]
+pub(super) struct Sample {
+    /// Material to draw from
+    model: String,
+
+    /// Number of pairs
+    #[arg(short = 'n', long = "samples", default_value_t = 45_000, value_parser = clap::value_parser!(u32).range(1..))]
+    samples: u32,
+
+    /// Which scramble of the sequence
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    #[command(flatten)]
+    pairs: PairArgs,
+
+    /// Output file; - or nothing for standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    read: ReadArgs,
+}
+
+impl Sample {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        let subject = Subject::open(&self.model, &self.read.options())?;
+        let channels = self.pairs.channels(subject.channels());
+        let samples = match subject.samples() {
+            Some(rows) => {
+                let rows = if self.pairs.luminance { rows.to_luminance() } else { rows.clone() };
+                let rows = rows.within(self.pairs.theta_max());
+                let wanted = self.samples as usize;
+                let count = rows.len().min(wanted);
+                rows.subset(&(0..count).map(|i| i * rows.len() / count.max(1)).collect::<Vec<_>>())
+            }
+            None => SampleSet::draw(
+                subject.brdf(),
+                &PairSampling {
+                    count: self.samples,
+                    seed: self.seed,
+                    theta_max: self.pairs.theta_max(),
+                },
+                channels,
+            ),
+        };
+        let table = samples_to_csv(&samples);
+        match self.output.as_deref() {
+            path if is_standard_output(path) => out.write_all(table.as_bytes())?,
+            path => write_atomically(path.unwrap_or(Path::new("-")), table.as_bytes())?,
+        }
+        let mut said = format!("{} pairs", samples.len());
+        if samples.dropped().total() > 0 {
+            write!(said, "; dropped: {}", samples.dropped())?;
+        }
+        if samples.clamped() > 0 {
+            write!(said, "; {} with a negative channel set to 0", samples.clamped())?;
+        }
+        writeln!(std::io::stderr(), "{said}")?;
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,176 @@
+//! From a material to fitted models with their errors: what `factor` does between reading and
+//! reporting.
+
+use std::time::Instant;
+
+use brdf_factor::{
+    CrossValidation, FactorError, FactorParams, FactorSpec, Fit, cross_validate, factorize,
+    factorize_terms,
+};
+use brdf_io::{FitSettings, TermRecord};
+use brdf_model::{
+    Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, log_offsets, measure,
+};
+
+use crate::progress::Progress;
+use crate::subject::Subject;
+
+/// Pairs of the held-out set of a material that can be drawn from.
+const HELD_OUT_PAIRS: u32 = 20_000;
+/// Parts that scattered rows are split into.
+const FOLDS: usize = 10;
+
+/// The factors that a method asks for.
+pub(crate) enum Method {
+    /// All factors make one model.
+    Together(Vec<FactorSpec>),
+    /// Every leading part of the list is a model.
+    Terms(Vec<FactorSpec>),
+}
+
+/// Models by number of terms, their errors, and McCool's beside them.
+pub(crate) struct Outcome {
+    pub(crate) fits: Vec<Fit>,
+    pub(crate) terms: Vec<TermRecord>,
+    pub(crate) baseline: TermRecord,
+    /// Linear least-squares problems that were solved for the terms.
+    pub(crate) evaluations: usize,
+    /// Of the fit alone.
+    pub(crate) seconds: f64,
+    /// Share of the domain that has scattered rows nearby; none for materials drawn from.
+    pub(crate) scattered_coverage: Option<f64>,
+}
+
+impl Outcome {
+    /// The fit with the most terms.
+    pub(crate) fn last(&self) -> &Fit {
+        // `run` makes at least one.
+        &self.fits[self.fits.len() - 1]
+    }
+}
+
+/// Training samples, before and after replication, and how errors on unseen ones are found.
+struct Training {
+    rows: SampleSet,
+    fitted: SampleSet,
+    held_out: HeldOut,
+}
+
+enum HeldOut {
+    Drawn(SampleSet),
+    Folds(CrossValidation),
+}
+
+pub(crate) fn run(
+    subject: &Subject,
+    channels: Channels,
+    method: &Method,
+    settings: &FitSettings,
+    progress: &Progress,
+) -> Result<Outcome, FactorError> {
+    progress.step("drawing samples");
+    let training = Training::new(subject, channels, settings);
+    if training.fitted.is_empty() {
+        return Err(FactorError::NoSamples { dropped: training.fitted.dropped().to_string() });
+    }
+    progress.done(1);
+
+    progress.step("fitting");
+    let start = Instant::now();
+    let fits = match method {
+        Method::Together(specs) => vec![factorize(&training.fitted, specs, &settings.params)?],
+        Method::Terms(specs) => factorize_terms(&training.fitted, specs, &settings.params)?,
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    progress.done(2);
+
+    progress.step("measuring");
+    let terms: Result<Vec<TermRecord>, FactorError> = fits
+        .iter()
+        .enumerate()
+        .map(|(index, fit)| {
+            let specs = match method {
+                Method::Together(specs) => &specs[..],
+                Method::Terms(specs) => &specs[..=index],
+            };
+            training.record(fit, specs, &settings.params)
+        })
+        .collect();
+    let terms = terms?;
+    progress.done(2);
+
+    progress.step("fitting McCool's baseline");
+    let mccool = FactorSpec::mccool(settings.reciprocal);
+    let baseline = match method {
+        Method::Together(specs) if *specs == mccool => terms[0].clone(),
+        _ => {
+            let fit = factorize(&training.fitted, &mccool, &settings.params)?;
+            training.record(&fit, &mccool, &settings.params)?
+        }
+    };
+    progress.done(2);
+    let scattered_coverage = subject.samples().map(|_| coverage(subject, settings));
+    Ok(Outcome { evaluations: fits.len(), fits, terms, baseline, seconds, scattered_coverage })
+}
+
+impl Training {
+    fn new(subject: &Subject, channels: Channels, settings: &FitSettings) -> Self {
+        let theta_max = settings.params.theta_max;
+        if let Some(rows) = subject.samples() {
+            let rows = match channels {
+                Channels::Luminance => rows.to_luminance(),
+                Channels::Rgb => rows.clone(),
+            }
+            .within(theta_max);
+            let folds = CrossValidation {
+                folds: FOLDS,
+                rotations: settings.replicate,
+                // Twins would repeat the equations that shared textures already make.
+                reciprocal: false,
+                seed: settings.seed,
+            };
+            let fitted = rows.replicated(folds.rotations, folds.reciprocal);
+            return Self { rows, fitted, held_out: HeldOut::Folds(folds) };
+        }
+        let sampling = PairSampling { count: settings.samples, seed: settings.seed, theta_max };
+        let rows = SampleSet::draw(subject.brdf(), &sampling, channels);
+        let fitted = rows.replicated(settings.replicate, false);
+        let unseen = PairSampling {
+            count: HELD_OUT_PAIRS,
+            seed: ScrambledSobol::held_out_seed(settings.seed),
+            theta_max,
+        };
+        let held_out = HeldOut::Drawn(SampleSet::draw(subject.brdf(), &unseen, channels));
+        Self { rows, fitted, held_out }
+    }
+
+    fn record(
+        &self,
+        fit: &Fit,
+        specs: &[FactorSpec],
+        params: &FactorParams,
+    ) -> Result<TermRecord, FactorError> {
+        let offsets = log_offsets(&self.fitted);
+        let held_out: Option<FitErrors> = match &self.held_out {
+            HeldOut::Drawn(unseen) => {
+                (!unseen.is_empty()).then(|| measure(unseen, &fit.model, &offsets))
+            }
+            HeldOut::Folds(folds) => cross_validate(&self.rows, specs, params, folds)?,
+        };
+        Ok(TermRecord {
+            textures: fit.model.factors().len(),
+            // Rotated copies of a row repeat its error but for the texel grid; the rows suffice.
+            training: measure(&self.rows, &fit.model, &offsets),
+            held_out,
+        })
+    }
+}
+
+/// Share of direction pairs within the grazing limit that have a row nearby.
+fn coverage(subject: &Subject, settings: &FitSettings) -> f64 {
+    let sampling = PairSampling { count: 4_000, seed: 1, theta_max: settings.params.theta_max };
+    let covered = sampling.pairs().filter(|pair| subject.brdf().covers(pair)).count();
+    #[expect(clippy::cast_precision_loss, reason = "four thousand pairs")]
+    let share = covered as f64 / f64::from(sampling.count);
+    share
+}

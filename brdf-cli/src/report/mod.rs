@@ -1,0 +1,117 @@
+//! What `brdf factor` reports: the JSON, and the page around it.
+
+pub(crate) mod html;
+
+use brdf_factor::{EvalCounts, Solver};
+use brdf_io::{FitSettings, TermRecord};
+use brdf_model::{Channels, Dropped, PairSampling};
+use brdf_param::Space;
+use serde::Serialize;
+
+use crate::fitting::Outcome;
+use crate::subject::Subject;
+
+/// `report.json`. The first key marks the folder as ours.
+#[derive(Serialize)]
+pub(crate) struct Report {
+    /// Version of the program.
+    brdf: &'static str,
+    pub(crate) input: String,
+    /// File name of the model, within the folder.
+    model: &'static str,
+    pub(crate) method: &'static str,
+    pub(crate) space: &'static str,
+    pub(crate) samples: Samples,
+    pub(crate) terms: Vec<TermRecord>,
+    pub(crate) baseline: Baseline,
+    evaluations: usize,
+    pub(crate) seconds: f64,
+    pub(crate) bytes: usize,
+    pub(crate) channels: Channels,
+    pub(crate) solve: Solve,
+    /// What evaluating the model on the pairs of a whole hemisphere does.
+    pub(crate) evaluation: Evaluation,
+    pub(crate) settings: FitSettings,
+    pub(crate) notes: Vec<String>,
+    #[serde(skip)]
+    pub(crate) name: String,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Samples {
+    /// Rows of the fit, turned copies included.
+    pub(crate) used: usize,
+    pub(crate) dropped: Dropped,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Baseline {
+    pub(crate) mccool: TermRecord,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Solve {
+    pub(crate) solver: Solver,
+    pub(crate) unknowns: usize,
+    /// Texels that no sample touches.
+    pub(crate) smoothed_texels: usize,
+    pub(crate) iterations: usize,
+    pub(crate) converged: bool,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Evaluation {
+    pub(crate) pairs: u32,
+    /// The model's grazing limit, degrees.
+    pub(crate) max_theta_deg: f64,
+    #[serde(flatten)]
+    pub(crate) counts: EvalCounts,
+}
+
+/// Pairs over whole hemispheres whose treatment is counted.
+const COUNTED_PAIRS: u32 = 20_000;
+
+impl Report {
+    pub(crate) fn new(
+        subject: &Subject,
+        outcome: &Outcome,
+        settings: FitSettings,
+        method: &'static str,
+        space: Space,
+        channels: Channels,
+        notes: Vec<String>,
+    ) -> Self {
+        let fit = outcome.last();
+        let sampling =
+            PairSampling { count: COUNTED_PAIRS, seed: 1, theta_max: std::f64::consts::FRAC_PI_2 };
+        Self {
+            brdf: env!("CARGO_PKG_VERSION"),
+            input: subject.argument.clone(),
+            model: "model.safetensors",
+            method,
+            space: space.name(),
+            samples: Samples { used: fit.samples_used, dropped: fit.dropped },
+            terms: outcome.terms.clone(),
+            baseline: Baseline { mccool: outcome.baseline.clone() },
+            evaluations: outcome.evaluations,
+            seconds: outcome.seconds,
+            bytes: fit.model.payload_bytes(),
+            channels,
+            solve: Solve {
+                solver: fit.solver,
+                unknowns: fit.unknowns,
+                smoothed_texels: fit.smoothed_texels,
+                iterations: fit.iterations,
+                converged: fit.converged,
+            },
+            evaluation: Evaluation {
+                pairs: COUNTED_PAIRS,
+                max_theta_deg: fit.model.theta_max().to_degrees(),
+                counts: fit.model.count(sampling.pairs()),
+            },
+            settings,
+            notes,
+            name: subject.short_name(),
+        }
+    }
+}
