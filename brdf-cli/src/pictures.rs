@@ -41,7 +41,7 @@ pub(crate) fn comparison(
     let films = [reference.1, model.1].map(|brdf| render_sphere(brdf, light, view));
     let tone = ToneMap::exposed_for(&films[0]);
     let [left, right] = [&films[0], &films[1]].map(|film| tone.apply(film));
-    let differs = difference(&left, &right, GAIN);
+    let differs = difference(&films[0], &films[1], &tone, GAIN);
     let panel = |picture, caption: String| Panel { picture, caption };
     Comparison {
         picture: strip(&[
@@ -79,7 +79,7 @@ pub(crate) fn line_up(
         };
         panels.push(Panel { picture: picture.clone(), caption });
         if index > 0 {
-            let picture = difference(&pictures[0], picture, GAIN);
+            let picture = difference(&films[0], &films[index], &tone, GAIN);
             panels.push(Panel { picture, caption: format!("difference ×{GAIN}") });
         }
     }

@@ -57,7 +57,25 @@ pub(crate) fn evaluate(model: &FactoredBrdf, pairs: &DirectionBatch, out: &mut R
     out.resize(pairs.len());
     let readers = readers(model);
     // The widest vectors of the machine that runs this, chosen at run time.
-    pulp::Arch::new().dispatch(|| run(model, &readers, pairs, out));
+    pulp::Arch::new().dispatch(Evaluate { model, readers: &readers, pairs, out });
+}
+
+/// The call that [`pulp`] compiles once for each instruction set. A closure would do, if it could
+/// be told to be inlined always; without that, its body is compiled for none of them.
+struct Evaluate<'a> {
+    model: &'a FactoredBrdf,
+    readers: &'a [Reader<'a>],
+    pairs: &'a DirectionBatch,
+    out: &'a mut RgbBatch,
+}
+
+impl pulp::NullaryFnOnce for Evaluate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        run(self.model, self.readers, self.pairs, self.out);
+    }
 }
 
 fn readers(model: &FactoredBrdf) -> Vec<Reader<'_>> {
@@ -245,12 +263,7 @@ fn positions(tile: &mut Tile, source: &Source) {
 
 /// Adds a reader's interpolated texels to the sums.
 #[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "positions are clamped to textures of at most 1024 texels a side"
-)]
+#[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
 fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
     let last_cell = (reader.size - 2) as f32;
     let cell = |position: f32| {
@@ -264,7 +277,7 @@ fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
     for lane in 0..TILE {
         let (column, u) = cell(tile.column[lane]);
         let (row, v) = if planar { cell(tile.row[lane]) } else { (0.0, 0.0) };
-        corners[lane] = (row * reader.size as f32 + column) as i32 as u32;
+        corners[lane] = whole(row * reader.size as f32 + column);
         us[lane] = u;
         vs[lane] = v;
     }
@@ -326,11 +339,6 @@ fn finish(
 /// x = n ln 2 + r with |r| ≤ ln 2 / 2, e^r by its Taylor polynomial of degree 7 (remainder 5e-9),
 /// 2ⁿ by its bits.
 #[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "n lies in −126 … 127 after the clamp"
-)]
 fn exp(x: f32) -> f32 {
     // ln 2 in two parts, the first with few enough bits that n times it is exact.
     const LN_2_HIGH: f32 = 0.693_359_4;
@@ -340,7 +348,17 @@ fn exp(x: f32) -> f32 {
     let r = (x - n * LN_2_HIGH) - n * LN_2_LOW;
     let tail = 1.0 / 120.0 + r * (1.0 / 720.0 + r * (1.0 / 5040.0));
     let e = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * (1.0 / 24.0 + r * tail))));
-    e * f32::from_bits(((n as i32 + 127) as u32) << 23)
+    // n + 127 in the lowest bits, shifted to where the exponent stands.
+    e * f32::from_bits((n + (1.5 * TWO_23 + 127.0)).to_bits() << 23)
+}
+
+const TWO_23: f32 = 8_388_608.0;
+
+/// The integer that a whole number from 0 to 2²³ − 1 is, by its bits: unlike `as`, which saturates,
+/// this is one vector instruction.
+#[inline(always)]
+fn whole(value: f32) -> u32 {
+    (value + TWO_23).to_bits() & 0x007f_ffff
 }
 
 #[cfg(test)]

@@ -100,6 +100,8 @@ pub struct Fit {
     pub samples_used: usize,
     /// What was dropped: before the fit, and by the log map.
     pub dropped: Dropped,
+    /// Samples with a negative channel, a colour outside the gamut, that was set to 0.
+    pub clamped: usize,
     /// Texels solved for.
     pub unknowns: usize,
     /// Texels that no sample touches; smoothing alone holds them.
@@ -247,6 +249,7 @@ impl<'a> Problem<'a> {
             model: FactoredBrdf::new(all, self.maps.clone(), self.theta_max)?,
             samples_used: self.samples.len(),
             dropped: self.samples.dropped(),
+            clamped: self.samples.clamped(),
             unknowns,
             smoothed_texels,
             solver,

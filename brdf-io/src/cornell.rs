@@ -18,10 +18,11 @@ pub struct Spectra {
     pub samples: SampleSet,
     /// Wavelengths of the file, nanometres.
     pub wavelengths: Vec<f64>,
+    /// Samples whose colour was moved into the gamut, see [`SpectrumToRgb::rgb_in_gamut`].
+    pub moved_into_gamut: usize,
 }
 
-/// Reads samples; colours outside the gamut have their negative channels set to 0, which the set
-/// counts.
+/// Reads samples; colours outside the gamut are moved into it and counted.
 ///
 /// # Errors
 ///
@@ -60,11 +61,14 @@ pub fn read_cornell(text: &str) -> Result<Spectra, FormatError> {
         });
     }
     let mut samples = SampleSet::new(Channels::Rgb);
+    let mut moved_into_gamut = 0;
     for row in values.chunks_exact(row_length) {
         let pair = DirectionPair::from_angles(row[0], row[1], row[2], row[3]);
-        samples.push_clamped(&pair, to_rgb.rgb(&row[4..]));
+        let (colour, moved) = to_rgb.rgb_in_gamut(&row[4..]);
+        moved_into_gamut += usize::from(moved);
+        samples.push_rgb(&pair, colour);
     }
-    Ok(Spectra { samples, wavelengths })
+    Ok(Spectra { samples, wavelengths, moved_into_gamut })
 }
 
 fn numbers(text: &str) -> impl Iterator<Item = Result<f64, FormatError>> + '_ {

@@ -1,6 +1,7 @@
 //! Files as bytes, memory-mapped.
 
 use std::fs::File;
+use std::io::Read as _;
 use std::ops::Deref;
 use std::path::Path;
 
@@ -8,12 +9,21 @@ use memmap2::Mmap;
 
 use crate::IoError;
 
-/// The content of a file.
+/// The content of a file: mapped, or read where a pipe cannot be mapped.
 #[derive(Debug)]
-pub struct MappedFile(Option<Mmap>);
+pub struct MappedFile(Content);
+
+#[derive(Debug)]
+enum Content {
+    Mapped(Mmap),
+    Read(Vec<u8>),
+}
+
+/// Most bytes that are read from a pipe.
+const MAX_PIPED: u64 = 1 << 30;
 
 impl MappedFile {
-    /// Maps a file; an empty one needs no mapping.
+    /// Maps a file, or reads a pipe of at most 1 GiB to its end.
     ///
     /// # Errors
     ///
@@ -24,8 +34,15 @@ impl MappedFile {
         if metadata.is_dir() {
             return Err(IoError::Folder { path: path.to_owned() });
         }
-        if metadata.len() == 0 {
-            return Ok(Self(None));
+        if !metadata.is_file() || metadata.len() == 0 {
+            let mut bytes = Vec::new();
+            let mut limited = file.take(MAX_PIPED + 1);
+            limited.read_to_end(&mut bytes).map_err(IoError::file(path, "reading"))?;
+            if bytes.len() as u64 > MAX_PIPED {
+                let error = std::io::Error::from(std::io::ErrorKind::FileTooLarge);
+                return Err(IoError::file(path, "reading more than 1 GiB from a pipe")(error));
+            }
+            return Ok(Self(Content::Read(bytes)));
         }
         #[expect(
             unsafe_code,
@@ -33,7 +50,7 @@ impl MappedFile {
                       meanwhile ends this process, as it would with any mapped reader"
         )]
         let mapping = unsafe { Mmap::map(&file) }.map_err(IoError::file(path, "mapping"))?;
-        Ok(Self(Some(mapping)))
+        Ok(Self(Content::Mapped(mapping)))
     }
 }
 
@@ -41,6 +58,9 @@ impl Deref for MappedFile {
     type Target = [u8];
 
     fn deref(&self) -> &[u8] {
-        self.0.as_deref().unwrap_or(&[])
+        match &self.0 {
+            Content::Mapped(mapping) => mapping,
+            Content::Read(bytes) => bytes,
+        }
     }
 }

@@ -98,7 +98,7 @@ pub fn parse_measurement(bytes: &[u8], options: &ReadOptions) -> Result<Measurem
         Format::Native => match read_container(bytes, options.merl_lookup)? {
             Contained::Model(file) => Measured::Model(file),
             Contained::Table(table) => Measured::Merl(table),
-            Contained::Samples(samples) => scattered(samples, &mut notes)?,
+            Contained::Samples(samples) => scattered(samples)?,
         },
         Format::Cornell => {
             let spectra = read_cornell(text(bytes)?)?;
@@ -108,35 +108,37 @@ pub fn parse_measurement(bytes: &[u8], options: &ReadOptions) -> Result<Measurem
                 spectra.wavelengths.len(),
                 last.unwrap_or(first)
             ));
-            scattered(spectra.samples, &mut notes)?
+            if spectra.moved_into_gamut > 0 {
+                notes.push(format!(
+                    "{} of {} colours lay outside the gamut of Rec. 709 or within 1 % of its rim; \
+                     they were moved towards grey of the same luminance",
+                    spectra.moved_into_gamut,
+                    spectra.samples.len()
+                ));
+            }
+            scattered(spectra.samples)?
         }
         Format::Alta => {
             let (samples, said) = read_alta(text(bytes)?)?;
             notes.extend(said);
-            scattered(samples, &mut notes)?
+            scattered(samples)?
         }
         Format::Table => {
             let (samples, said) =
                 read_table(text(bytes)?, options.columns.as_ref(), options.wavelength_um)?;
             notes.extend(said);
-            scattered(samples, &mut notes)?
+            scattered(samples)?
         }
     };
     Ok(Measurement { format, measured, notes, bytes: bytes.len() })
 }
 
-fn scattered(samples: SampleSet, notes: &mut Vec<String>) -> Result<Measured, FormatError> {
+fn scattered(samples: SampleSet) -> Result<Measured, FormatError> {
     if samples.is_empty() {
         return Err(FormatError::Missing {
             what: format!("usable samples ({})", samples.dropped()),
             expected: "at least one row above the horizon with values of 0 or more".to_owned(),
         });
-    }
-    if samples.clamped() > 0 {
-        notes.push(format!(
-            "{} samples had a negative channel, a colour outside the gamut; it was set to 0",
-            samples.clamped()
-        ));
     }
     Ok(Measured::Samples(Box::new(ScatteredBrdf::new(samples))))
 }

@@ -40,6 +40,29 @@ impl SpectrumToRgb {
         Some(Self { weights: raw.into_iter().map(normalised).collect() })
     }
 
+    /// The colour of a spectrum with one value per wavelength, and whether it had to be brought into
+    /// the gamut.
+    ///
+    /// A colour whose smallest channel lies below 1 % of its luminance moves towards the grey of the
+    /// same luminance until it does not: a channel cut to 0 would be a fit in logarithms' largest
+    /// outlier. A luminance of 0 or less gives black.
+    pub fn rgb_in_gamut(&self, spectrum: &[f64]) -> (Rgb, bool) {
+        const FLOOR: f64 = 0.01;
+        let colour = self.rgb(spectrum);
+        let luminance = colour.luminance();
+        let [r, g, b] = colour.channels();
+        let smallest = r.min(g).min(b);
+        if luminance <= 0.0 {
+            return (Rgb::BLACK, smallest < 0.0);
+        }
+        if smallest >= FLOOR * luminance {
+            return (colour, false);
+        }
+        let saturation = (1.0 - FLOOR) * luminance / (luminance - smallest);
+        let grey = Rgb::splat(luminance);
+        (grey + (colour - grey) * saturation, true)
+    }
+
     /// The colour of a spectrum with one value per wavelength; saturated ones may lie outside the
     /// gamut, with a negative channel.
     pub fn rgb(&self, spectrum: &[f64]) -> Rgb {
@@ -70,6 +93,16 @@ mod tests {
     fn an_even_spectrum_is_grey() {
         let grey = converter().rgb(&[0.25; 31]);
         assert!(grey.channels().iter().all(|v| (v - 0.25).abs() < 1e-12), "{grey:?}");
+    }
+
+    #[test]
+    fn saturated_colours_keep_their_luminance_in_gamut() {
+        let spectrum: Vec<f64> = (0..31).map(|i| f64::from(u8::from(i == 10))).collect();
+        let converter = converter();
+        let (outside, (inside, moved)) =
+            (converter.rgb(&spectrum), converter.rgb_in_gamut(&spectrum));
+        assert!(moved && outside.r < 0.0 && inside.r > 0.0, "{outside:?} {inside:?}");
+        assert!((outside.luminance() - inside.luminance()).abs() < 1e-12);
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-use crate::display::DisplayImage;
+use crate::display::{DisplayImage, ToneMap};
+use crate::film::{Film, Pixel};
 
 /// A picture and the line beneath it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,15 +34,26 @@ pub fn strip(panels: &[Panel]) -> DisplayImage {
     sheet
 }
 
-/// `gain` times the absolute difference of two pictures of the same size, as shown (sRGB bytes):
-/// black where they agree.
-pub fn difference(a: &DisplayImage, b: &DisplayImage, gain: u8) -> DisplayImage {
+/// `gain` times the absolute difference of two films as shown by `tone` (sRGB bytes): black where
+/// they agree, chequered where one of them has no data.
+///
+/// # Panics
+///
+/// Unless both have the same size.
+pub fn difference(a: &Film, b: &Film, tone: &ToneMap, gain: u8) -> DisplayImage {
+    assert_eq!((a.width(), a.height()), (b.width(), b.height()), "films of the same size");
+    let pictures = [tone.apply(a), tone.apply(b)];
     let mut out = DisplayImage::filled(a.width(), a.height(), [0; 3]);
-    for row in 0..a.height().min(b.height()) {
-        for column in 0..a.width().min(b.width()) {
-            let (p, q) = (a.pixel(column, row), b.pixel(column, row));
-            out.set(column, row, std::array::from_fn(|c| p[c].abs_diff(q[c]).saturating_mul(gain)));
-        }
+    for (index, pixels) in a.pixels().iter().zip(b.pixels()).enumerate() {
+        let (column, row) = (index % a.width(), index / a.width());
+        let [p, q] = [0, 1].map(|side| pictures[side].pixel(column, row));
+        let unknown =
+            [(pixels.0, p), (pixels.1, q)].into_iter().find(|(x, _)| **x == Pixel::NoData);
+        let colour = match unknown {
+            Some((_, chequer)) => chequer,
+            None => std::array::from_fn(|c| p[c].abs_diff(q[c]).saturating_mul(gain)),
+        };
+        out.set(column, row, colour);
     }
     out
 }
@@ -72,13 +84,20 @@ fn write_line(sheet: &mut DisplayImage, text: &str, left: usize, top: usize, roo
 
 #[cfg(test)]
 mod tests {
+    use brdf_model::Rgb;
+
     use super::*;
 
     #[test]
-    fn equal_pictures_differ_by_black() {
-        let picture = DisplayImage::filled(3, 2, [9, 80, 200]);
-        assert!(difference(&picture, &picture, 4).bytes().iter().all(|b| *b == 0));
-        let other = DisplayImage::filled(3, 2, [10, 80, 100]);
-        assert_eq!(difference(&picture, &other, 4).pixel(0, 0), [4, 0, 255]);
+    fn equal_films_differ_by_black_and_unknown_pixels_say_so() {
+        let film = |blue: f64| {
+            let pixel = Pixel::Radiance(Rgb::new(0.1, 0.2, blue), 1.0);
+            Film::new(2, vec![pixel, Pixel::NoData])
+        };
+        let tone = ToneMap { exposure: 1.0 };
+        let same = difference(&film(0.3), &film(0.3), &tone, 4);
+        assert_eq!(same.pixel(0, 0), [0; 3]);
+        assert_ne!(same.pixel(1, 0), [0; 3]);
+        assert_eq!(difference(&film(0.3), &film(0.9), &tone, 4).pixel(0, 0), [0, 0, 255]);
     }
 }

@@ -313,6 +313,13 @@ impl Factor {
         channels: Channels,
     ) -> Report {
         let mut notes = subject.notes().to_vec();
+        let clamped = outcome.last().clamped;
+        if clamped > 0 {
+            notes.push(format!(
+                "{clamped} samples had a negative channel, a colour outside the gamut; it was set \
+                 to 0, which log errors count heavily (--luminance avoids it)"
+            ));
+        }
         if let Some(rows) = subject.samples() {
             notes.extend(scattered_notes(rows, outcome, &settings));
         } else if settings.replicate > 1 {

@@ -42,6 +42,8 @@ pub(crate) struct Samples {
     /// Rows of the fit, turned copies included.
     pub(crate) used: usize,
     pub(crate) dropped: Dropped,
+    /// Samples with a negative channel that was set to 0.
+    pub(crate) clamped: usize,
 }
 
 #[derive(Serialize)]
@@ -90,7 +92,7 @@ impl Report {
             model: "model.safetensors",
             method,
             space: space.name(),
-            samples: Samples { used: fit.samples_used, dropped: fit.dropped },
+            samples: Samples { used: fit.samples_used, dropped: fit.dropped, clamped: fit.clamped },
             terms: outcome.terms.clone(),
             baseline: Baseline { mccool: outcome.baseline.clone() },
             evaluations: outcome.evaluations,
