@@ -2,6 +2,7 @@
 
 use brdf_model::{Dropped, SampleSet};
 use brdf_param::{Bound, DiscRadii, polar_angle};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -180,10 +181,11 @@ impl<'a> Problem<'a> {
         }
         let maps = ChannelMap::for_samples(params.log_map, &samples);
         let weights = weights(&samples, params.weight);
-        let widest = samples
-            .pairs()
-            .map(|pair| polar_angle(pair.wi).max(polar_angle(pair.wo)))
-            .fold(0.0, f64::max);
+        // The lowest direction is the one farthest from the normal.
+        let lowest = |a: DVec3, b: DVec3| if b.z < a.z { b } else { a };
+        let widest = polar_angle(
+            samples.pairs().fold(DVec3::Z, |low, pair| lowest(low, lowest(pair.wi, pair.wo))),
+        );
         // A single direction along the normal would leave no room at all.
         let theta_max = params.theta_max.min(widest * RADIUS_MARGIN).max(1e-3);
         Ok(Self { params, samples, maps, weights, theta_max })

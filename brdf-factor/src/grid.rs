@@ -39,6 +39,11 @@ impl Grid {
         self.size.pow(u32::try_from(self.dimensions).unwrap_or(2))
     }
 
+    /// Texels around each point: four in two dimensions, two in one.
+    pub(crate) fn taps_per_point(&self) -> usize {
+        if self.dimensions == 1 { 2 } else { 4 }
+    }
+
     /// Rows of the texture: 1 in one dimension.
     pub fn rows(&self) -> usize {
         if self.dimensions == 1 { 1 } else { self.size }

@@ -49,6 +49,9 @@ impl LinearSystem {
         let (blocks, texel_of) = number_unknowns(factors);
         let weight_roots: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
         let mut rows = SparseRows::new(texel_of.len());
+        let taps = factors.iter().map(|f| f.coordinates().len() * f.grid().taps_per_point());
+        let (count, per_sample) = (samples.len(), taps.sum::<usize>());
+        rows.reserve(count + 2 * texel_of.len(), count * per_sample + 6 * texel_of.len());
         let mut touched = vec![false; texel_of.len()];
         for (pair, &root) in samples.pairs().zip(&weight_roots) {
             for (factor, block) in factors.iter().zip(&blocks) {

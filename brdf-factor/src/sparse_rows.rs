@@ -23,8 +23,16 @@ impl SparseRows {
         self.entries.push((u32::try_from(column).unwrap_or(u32::MAX), value));
     }
 
-    /// Ends the row under construction.
+    /// Makes room for rows and entries to come.
+    pub(crate) fn reserve(&mut self, rows: usize, entries: usize) {
+        self.ends.reserve(rows);
+        self.entries.reserve(entries);
+    }
+
+    /// Ends the row under construction; its entries are put in the order of columns.
     pub(crate) fn end_row(&mut self) {
+        let start = self.ends.last().copied().unwrap_or(0);
+        self.entries[start..].sort_unstable_by_key(|&(column, _)| column);
         self.ends.push(self.entries.len());
     }
 
@@ -74,14 +82,17 @@ impl SparseRows {
     pub fn gram(&self) -> Mat<f64> {
         let mut gram = Mat::<f64>::zeros(self.columns, self.columns);
         for row in self.rows() {
-            for &(column, weight) in row {
-                let target = gram.col_mut(column as usize);
-                let Some(target) = target.try_as_col_major_mut() else { continue };
+            for (index, &(column, weight)) in row.iter().enumerate() {
+                let Some(target) = gram.col_mut(column as usize).try_as_col_major_mut() else {
+                    continue;
+                };
                 let target = target.as_slice_mut();
-                for &(other, value) in row {
-                    if other >= column {
-                        target[other as usize] += weight * value;
-                    }
+                // Columns ascend, so the rest of the row lies below the diagonal; a column that
+                // repeats meets itself twice.
+                target[column as usize] += weight * weight;
+                for &(other, value) in &row[index + 1..] {
+                    let twice = if other == column { 2.0 } else { 1.0 };
+                    target[other as usize] += twice * (weight * value);
                 }
             }
         }

@@ -59,7 +59,7 @@ pub(crate) fn slice<'a>(
         .ok_or_else(|| FormatError::PastEnd { offset, what: what.to_owned(), length: bytes.len() })
 }
 
-pub(crate) fn f64_values(bytes: &[u8]) -> impl Iterator<Item = f64> + '_ {
+pub(crate) fn f64_values(bytes: &[u8]) -> impl ExactSizeIterator<Item = f64> + '_ {
     bytes.as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk))
 }
 

@@ -261,7 +261,7 @@ fn read_factored(record: &str, tensors: &SafeTensors<'_>) -> Result<ModelFile, F
 
 fn read_cells(tensors: &SafeTensors<'_>, lookup: MerlLookup) -> Result<MerlTable, FormatError> {
     let data = tensor(tensors, "cells", Dtype::F32, &TABLE_SHAPE)?;
-    Ok(MerlTable::new(f32_values(data).as_chunks::<3>().0.to_vec(), lookup)?)
+    Ok(MerlTable::new(f32_values(data).as_chunks::<3>().0.iter().copied(), lookup)?)
 }
 
 fn read_samples(tensors: &SafeTensors<'_>) -> Result<SampleSet, FormatError> {

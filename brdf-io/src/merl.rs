@@ -57,8 +57,7 @@ pub fn read_merl(bytes: &[u8], lookup: MerlLookup) -> Result<MerlTable, FormatEr
     let cells = plane(0)
         .zip(plane(1))
         .zip(plane(2))
-        .map(|((r, g), b)| [r * SCALE[0], g * SCALE[1], b * SCALE[2]].map(|v| v as f32))
-        .collect();
+        .map(|((r, g), b)| [r * SCALE[0], g * SCALE[1], b * SCALE[2]].map(|v| v as f32));
     Ok(MerlTable::new(cells, lookup)?)
 }
 

@@ -4,7 +4,7 @@
 
 use std::hint::black_box;
 
-use brdf_model::{Brdf, MerlLookup, MerlTable, PairSampling, Preset};
+use brdf_model::{Brdf, DirectionBatch, MerlLookup, MerlTable, PairSampling, Preset, RgbBatch};
 use brdf_param::DirectionPair;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -26,6 +26,11 @@ fn evaluation(c: &mut Criterion) {
             b.iter(|| pairs.iter().map(|pair| model.eval(black_box(pair)).r).sum::<f64>());
         });
     }
+    let batch: DirectionBatch = pairs.iter().collect();
+    let mut out = RgbBatch::default();
+    group.bench_function("MERL grid, trilinear, batch", |b| {
+        b.iter(|| table.eval_batch(black_box(&batch), &mut out));
+    });
     group.finish();
 }
 

@@ -8,7 +8,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use brdf_param::{DirectionPair, HalfDifference};
 
 use crate::brdf::is_lit;
-use crate::{Brdf, ModelError, Rgb};
+use crate::large_table::LargeTable;
+use crate::merl_batch;
+use crate::{Brdf, DirectionBatch, ModelError, Rgb, RgbBatch};
 
 /// Where in its cell a tabulated value is taken to stand. The literature disagrees: libbsdf reads
 /// the lower edge, ALTA the centre.
@@ -18,6 +20,16 @@ pub enum MerlNodes {
     Centre,
     /// i, the lower edge.
     Edge,
+}
+
+impl MerlNodes {
+    /// Where the first node stands, in cells.
+    pub(crate) fn shift(self) -> f32 {
+        match self {
+            Self::Centre => 0.5,
+            Self::Edge => 0.0,
+        }
+    }
 }
 
 /// How a table is read between its nodes.
@@ -33,7 +45,7 @@ pub enum MerlLookup {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MerlTable {
     /// RGB in sr⁻¹ at index phi_d + 180 (theta_d + 90 theta_h); negative where invalid.
-    cells: Vec<[f32; 3]>,
+    cells: LargeTable,
     lookup: MerlLookup,
 }
 
@@ -55,27 +67,27 @@ impl MerlTable {
     /// # Errors
     ///
     /// [`ModelError::TableSize`]; [`ModelError::TableValue`] for an infinite value.
-    pub fn new(mut cells: Vec<[f32; 3]>, lookup: MerlLookup) -> Result<Self, ModelError> {
-        if cells.len() != Self::CELLS {
-            return Err(ModelError::TableSize {
-                table: "merl",
-                expected: Self::CELLS,
-                found: cells.len(),
-            });
+    pub fn new(
+        values: impl ExactSizeIterator<Item = [f32; 3]>,
+        lookup: MerlLookup,
+    ) -> Result<Self, ModelError> {
+        let found = values.len();
+        if found != Self::CELLS {
+            return Err(ModelError::TableSize { table: "merl", expected: Self::CELLS, found });
         }
-        for (index, cell) in cells.iter_mut().enumerate() {
-            if let Some(&value) = cell.iter().find(|v| v.is_infinite()) {
+        let mut cells = LargeTable::zeros(Self::CELLS);
+        for (index, (cell, value)) in cells.iter_mut().zip(values).enumerate() {
+            if let Some(&infinite) = value.iter().find(|v| v.is_infinite()) {
                 return Err(ModelError::TableValue {
                     table: "merl",
                     index,
-                    value: value.into(),
+                    value: infinite.into(),
                     expected: "finite values",
                 });
             }
             // Written so that NaN counts as invalid.
-            if !cell.iter().all(|&v| v >= 0.0) {
-                *cell = Self::INVALID;
-            }
+            let valid = value.iter().all(|&v| v >= 0.0);
+            *cell = if valid { value } else { Self::INVALID };
         }
         Ok(Self { cells, lookup })
     }
@@ -84,18 +96,18 @@ impl MerlTable {
     /// averaging each pair with its swap, since the grid has no room for a difference; cells with
     /// a direction below the horizon, or where the model has no data, are invalid.
     pub fn tabulate(brdf: &dyn Brdf) -> Self {
-        let cells = (0..Self::CELLS)
-            .map(|index| {
-                let pair = Self::cell_pair(index);
-                let swapped = pair.swapped();
-                if !brdf.covers(&pair) || !brdf.covers(&swapped) {
-                    return Self::INVALID;
-                }
+        let mut cells = LargeTable::zeros(Self::CELLS);
+        for (index, cell) in cells.iter_mut().enumerate() {
+            let pair = Self::cell_pair(index);
+            let swapped = pair.swapped();
+            *cell = if brdf.covers(&pair) && brdf.covers(&swapped) {
                 let mean = (brdf.eval(&pair) + brdf.eval(&swapped)) * 0.5;
                 #[expect(clippy::cast_possible_truncation, reason = "the table stores f32")]
                 mean.channels().map(|v| v as f32)
-            })
-            .collect();
+            } else {
+                Self::INVALID
+            };
+        }
         Self { cells, lookup: MerlLookup::Trilinear(MerlNodes::Centre) }
     }
 
@@ -137,41 +149,41 @@ impl MerlTable {
     }
 
     fn trilinear(&self, at: GridPoint, nodes: MerlNodes) -> Option<Rgb> {
-        let shift = match nodes {
-            MerlNodes::Centre => 0.5,
-            MerlNodes::Edge => 0.0,
-        };
+        let shift = nodes.shift();
         let theta_h = Span::clamped(at.theta_h - shift, Self::THETA_H);
         let theta_d = Span::clamped(at.theta_d - shift, Self::THETA_D);
         let phi_d = Span::wrapped(at.phi_d - shift, Self::PHI_D);
-        let mut sum = [0.0_f64; 3];
-        let mut valid = 0.0;
+        let mut sum = [0.0_f32; 3];
+        let mut valid = 0.0_f32;
         for (h, weight_h) in theta_h.ends() {
             for (d, weight_d) in theta_d.ends() {
                 for (p, weight_p) in phi_d.ends() {
                     let cell = self.cell(h, d, p);
-                    let weight = weight_h * weight_d * weight_p;
-                    if cell[0] >= 0.0 {
-                        valid += weight;
-                        for (total, &value) in sum.iter_mut().zip(cell) {
-                            *total += weight * f64::from(value);
-                        }
+                    // Invalid cells weigh nothing; no branch, for the memory to keep pace.
+                    let known = f32::from(u8::from(cell[0] >= 0.0));
+                    let weight = known * (weight_h * weight_d * weight_p);
+                    valid += weight;
+                    for (total, &value) in sum.iter_mut().zip(cell) {
+                        *total += weight * value;
                     }
                 }
             }
         }
-        (valid > 0.0).then(|| Rgb::from(sum) / valid)
+        (valid > 0.0).then(|| Rgb::from(sum.map(|total| f64::from(total / valid))))
+    }
+
+    fn at(&self, at: GridPoint) -> Option<Rgb> {
+        match self.lookup {
+            MerlLookup::Nearest => self.nearest(at),
+            MerlLookup::Trilinear(nodes) => self.trilinear(at, nodes),
+        }
     }
 
     fn lookup(&self, pair: &DirectionPair) -> Option<Rgb> {
         if !is_lit(pair) {
             return None;
         }
-        let at = GridPoint::of(pair);
-        match self.lookup {
-            MerlLookup::Nearest => self.nearest(at),
-            MerlLookup::Trilinear(nodes) => self.trilinear(at, nodes),
-        }
+        self.at(GridPoint::of(pair))
     }
 }
 
@@ -183,14 +195,26 @@ impl Brdf for MerlTable {
     fn covers(&self, pair: &DirectionPair) -> bool {
         self.lookup(pair).is_some()
     }
+
+    fn eval_batch(&self, pairs: &DirectionBatch, out: &mut RgbBatch) {
+        match self.lookup {
+            MerlLookup::Trilinear(nodes) => merl_batch::evaluate(&self.cells, nodes, pairs, out),
+            MerlLookup::Nearest => {
+                out.resize(pairs.len());
+                for index in 0..pairs.len() {
+                    out.set(index, self.eval(&pairs.get(index)));
+                }
+            }
+        }
+    }
 }
 
 /// A place in the grid, each axis in cells: [0, 90] × [0, 90] × [0, 180).
 #[derive(Clone, Copy)]
 struct GridPoint {
-    theta_h: f64,
-    theta_d: f64,
-    phi_d: f64,
+    theta_h: f32,
+    theta_d: f32,
+    phi_d: f32,
 }
 
 impl GridPoint {
@@ -209,10 +233,12 @@ impl GridPoint {
         let along = -back.z * sum.length();
         let phi_d = if planar > 0.0 { across.atan2(along) } else { back.y.atan2(back.x) };
         let phi_d = if phi_d < 0.0 { phi_d + PI } else { phi_d };
+        #[expect(clippy::cast_possible_truncation, reason = "an f32 tells 1e-5 of a cell apart")]
+        let narrow = |cells: f64| cells as f32;
         Self {
-            theta_h: (theta_h / FRAC_PI_2).sqrt() * 90.0,
-            theta_d: theta_d / FRAC_PI_2 * 90.0,
-            phi_d: phi_d / PI * 180.0,
+            theta_h: narrow((theta_h / FRAC_PI_2).sqrt() * 90.0),
+            theta_d: narrow(theta_d / FRAC_PI_2 * 90.0),
+            phi_d: narrow(phi_d / PI * 180.0),
         }
     }
 }
@@ -220,37 +246,39 @@ impl GridPoint {
 /// Two neighbouring nodes and how far a point has gone from the first to the second.
 struct Span {
     nodes: [usize; 2],
-    fraction: f64,
+    fraction: f32,
 }
 
 impl Span {
-    fn clamped(position: f64, count: usize) -> Self {
-        let last = count - 1;
-        let low = below(position.max(0.0), count);
+    fn clamped(position: f32, count: usize) -> Self {
+        let low = below(position, count);
         #[expect(clippy::cast_precision_loss, reason = "grid indices are below 180")]
-        let fraction = (position - low as f64).clamp(0.0, 1.0);
-        Self { nodes: [low, (low + 1).min(last)], fraction }
+        let fraction = (position - low as f32).clamp(0.0, 1.0);
+        Self { nodes: [low, (low + 1).min(count - 1)], fraction }
     }
 
-    fn wrapped(position: f64, count: usize) -> Self {
-        let floor = position.floor();
-        let low = if floor < 0.0 { count - 1 } else { below(floor, count) };
+    fn wrapped(position: f32, count: usize) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "180 cells")]
+        let position = if position < 0.0 { position + count as f32 } else { position };
+        let low = below(position, count);
         let next = if low + 1 == count { 0 } else { low + 1 };
-        Self { nodes: [low, next], fraction: position - floor }
+        #[expect(clippy::cast_precision_loss, reason = "grid indices are below 180")]
+        let fraction = (position - low as f32).clamp(0.0, 1.0);
+        Self { nodes: [low, next], fraction }
     }
 
-    fn ends(&self) -> [(usize, f64); 2] {
+    fn ends(&self) -> [(usize, f32); 2] {
         [(self.nodes[0], 1.0 - self.fraction), (self.nodes[1], self.fraction)]
     }
 }
 
-/// The cell of a position ≥ 0, the last one for positions at or past the end.
+/// The cell of a position: the first one below 0, the last one at or past the end.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "positions are not negative, and `as` saturates"
+    reason = "`as` saturates on both sides"
 )]
-fn below(position: f64, count: usize) -> usize {
+fn below(position: f32, count: usize) -> usize {
     (position as usize).min(count - 1)
 }
 
@@ -266,10 +294,28 @@ mod tests {
             let angles = HalfDifference::from_pair(&pair);
             let at = GridPoint::of(&pair);
             let phi_d = if angles.phi_d < 0.0 { angles.phi_d + PI } else { angles.phi_d };
-            assert!((at.theta_h - (angles.theta_h / FRAC_PI_2).sqrt() * 90.0).abs() < 1e-7);
-            assert!((at.theta_d - angles.theta_d.to_degrees()).abs() < 1e-9);
-            let turn = (at.phi_d - phi_d.to_degrees()).abs();
-            assert!(turn.min(180.0 - turn) < 1e-7, "{turn} at {pair:?}");
+            assert!(
+                (f64::from(at.theta_h) - (angles.theta_h / FRAC_PI_2).sqrt() * 90.0).abs() < 1e-5
+            );
+            assert!((f64::from(at.theta_d) - angles.theta_d.to_degrees()).abs() < 1e-5);
+            let turn = (f64::from(at.phi_d) - phi_d.to_degrees()).abs();
+            assert!(turn.min(180.0 - turn) < 2e-5, "{turn} at {pair:?}");
+        }
+    }
+
+    #[test]
+    fn a_batch_equals_single_lookups() {
+        let table = MerlTable::tabulate(&Preset::find("plastic").unwrap().brdf());
+        let sampling = PairSampling { count: 5_000, seed: 5, theta_max: FRAC_PI_2 };
+        let pairs: Vec<DirectionPair> = sampling.pairs().collect();
+        let mut out = RgbBatch::default();
+        table.eval_batch(&pairs.iter().collect(), &mut out);
+        for (index, pair) in pairs.iter().enumerate() {
+            let (single, batch) = (table.eval(pair).r, out.get(index).r);
+            assert!(
+                (single - batch).abs() < 1e-3 * single + 1e-6,
+                "{batch} for {single}: {pair:?}"
+            );
         }
     }
 
@@ -281,7 +327,7 @@ mod tests {
             let value = index as f32;
             *cell = [value; 3];
         }
-        let table = MerlTable::new(cells, MerlLookup::Nearest).unwrap();
+        let table = MerlTable::new(cells.into_iter(), MerlLookup::Nearest).unwrap();
         let trilinear = table.clone().with_lookup(MerlLookup::Trilinear(MerlNodes::Centre));
         for index in (0..MerlTable::CELLS).step_by(997) {
             let pair = MerlTable::cell_pair(index);
@@ -311,7 +357,7 @@ mod tests {
     fn invalid_cells_have_no_data_and_no_influence() {
         let mut cells = vec![[1.0; 3]; MerlTable::CELLS];
         cells[0] = [-1.0, 0.5, f32::NAN];
-        let table = MerlTable::new(cells, MerlLookup::Nearest).unwrap();
+        let table = MerlTable::new(cells.into_iter(), MerlLookup::Nearest).unwrap();
         let pair = MerlTable::cell_pair(0);
         assert_eq!(table.invalid_cells(), 1);
         assert!(!table.covers(&pair));
