@@ -61,6 +61,11 @@ pub fn pair() -> impl Strategy<Value = DirectionPair> {
     prop_oneof![2 => independent, 1 => related]
 }
 
+/// This many random cases, however many of them a test passes over.
+pub fn cases(count: u32) -> ProptestConfig {
+    ProptestConfig { max_global_rejects: u32::MAX, ..ProptestConfig::with_cases(count) }
+}
+
 fn from_height(z: f64, phi: f64) -> DVec3 {
     let planar = (1.0 - z * z).max(0.0).sqrt();
     DVec3::new(planar * phi.cos(), planar * phi.sin(), z).normalize()

@@ -113,6 +113,9 @@ pub struct Fit {
     pub iterations: usize,
     /// Whether the solver reached its tolerance.
     pub converged: bool,
+    /// What the solution predicts for every sample before texels are narrowed to f32: the fitted
+    /// log values, one array per channel. This is what solvers are compared by.
+    pub predictions: Vec<Vec<f64>>,
 }
 
 /// Fits all factors together.
@@ -235,6 +238,7 @@ impl<'a> Problem<'a> {
         let solver = self.params.solver.unwrap_or_else(|| Solver::for_unknowns(unknowns));
         let solution = solver.solve(system.matrix(), &sides)?;
 
+        let predictions = solution.values.iter().map(|x| system.predict(x)).collect();
         for (index, factor) in factors.iter_mut().enumerate() {
             let mut texels = vec![[0.0_f64; 4]; factor.grid().texels()];
             for (channel, values) in solution.values.iter().enumerate() {
@@ -257,6 +261,7 @@ impl<'a> Problem<'a> {
             solver,
             iterations: solution.iterations,
             converged: solution.converged,
+            predictions,
         })
     }
 

@@ -113,6 +113,18 @@ impl LinearSystem {
         rhs
     }
 
+    /// What a solution gives for every sample.
+    pub(crate) fn predict(&self, solution: &[f64]) -> Vec<f64> {
+        let weighted = self.rows.rows().zip(&self.weight_roots);
+        weighted
+            .map(|(row, &root)| {
+                let value: f64 = row.iter().map(|&(c, entry)| entry * solution[c as usize]).sum();
+                // A sample of weight 0 left no trace in the system.
+                if root > 0.0 { value / root } else { 0.0 }
+            })
+            .collect()
+    }
+
     /// The texels of one factor from a solution; texels outside the mask are `None`.
     pub(crate) fn texels_of<'a>(
         &'a self,

@@ -70,7 +70,7 @@ pub fn read_alta(text: &str) -> Result<(SampleSet, Vec<String>), FormatError> {
         let viewer = spherical_direction(row[1].hypot(row[2]), row[2].atan2(row[1]));
         let pair = DirectionPair::new(spherical_direction(row[0], 0.0), viewer);
         let cosine = if divide_by_cosine { viewer.z } else { 1.0 };
-        let values: Vec<f64> = row[3..].iter().map(|v| v / cosine).collect();
+        let values: Vec<f64> = row[3..3 + outputs].iter().map(|v| v / cosine).collect();
         samples.push(&pair, &values);
     }
     Ok((samples, notes))

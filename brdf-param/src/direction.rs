@@ -70,8 +70,15 @@ impl DirectionPair {
     ///
     /// Two opposite directions have none: they both lie on the horizon, and the normal stands in,
     /// about which they mirror each other.
+    ///
+    /// For exact unit vectors wi + wo is perpendicular to wi − wo. For rounded ones it leans, and
+    /// next to opposite directions, where the sum is short, it leans far enough to cost half the
+    /// digits of what is rebuilt from it; so the lean is taken out.
     pub fn half(&self) -> DVec3 {
-        (self.wi + self.wo).try_normalize().unwrap_or(DVec3::Z)
+        let (sum, back) = (self.wi + self.wo, self.wi - self.wo);
+        let (sum_sq, back_sq) = (sum.length_squared(), back.length_squared());
+        let upright = if sum_sq < back_sq { sum - sum.dot(back) / back_sq * back } else { sum };
+        upright.with_z(upright.z.max(0.0)).try_normalize().unwrap_or(DVec3::Z)
     }
 }
 

@@ -38,14 +38,17 @@ impl HemisphereMap {
             Self::Parabolic => direction.truncate() / (1.0 + direction.z),
             Self::OrthographicDisc => direction.truncate(),
             Self::Polar => {
-                DVec2::new(azimuth(direction) / TAU + 0.5, one_minus_cos(direction).sqrt())
+                // On the horizon rounding may pass 1.
+                let radius = one_minus_cos(direction).sqrt().min(1.0);
+                DVec2::new(azimuth(direction) / TAU + 0.5, radius)
             }
         }
     }
 
     /// The unit direction of a point, or `None` outside the domain or where it is not finite.
     ///
-    /// Azimuths are taken modulo a turn.
+    /// Azimuths are taken modulo a turn. A point that lies outside a disc by no more than rounding
+    /// (1e-12) counts as lying on its rim.
     pub fn decode(self, point: DVec2) -> Option<DVec3> {
         if !point.is_finite() {
             return None;
@@ -54,15 +57,12 @@ impl HemisphereMap {
             Self::Spherical => {
                 (0.0..=FRAC_PI_2).contains(&point.x).then(|| spherical_direction(point.x, point.y))
             }
-            Self::Parabolic => {
+            Self::Parabolic => on_disc(point).map(|point| {
                 let radius_sq = point.length_squared();
-                (radius_sq <= 1.0)
-                    .then(|| (2.0 * point).extend(1.0 - radius_sq) / (1.0 + radius_sq))
-            }
-            Self::OrthographicDisc => {
-                let radius_sq = point.length_squared();
-                (radius_sq <= 1.0).then(|| point.extend((1.0 - radius_sq).sqrt()))
-            }
+                (2.0 * point).extend((1.0 - radius_sq).max(0.0)) / (1.0 + radius_sq)
+            }),
+            Self::OrthographicDisc => on_disc(point)
+                .map(|point| point.extend((1.0 - point.length_squared()).max(0.0).sqrt())),
             Self::Polar => (0.0..=1.0).contains(&point.y).then(|| {
                 let cos_theta = 1.0 - point.y * point.y;
                 let sin_theta = point.y * (1.0 + cos_theta).sqrt();
@@ -92,6 +92,12 @@ impl HemisphereMap {
             Self::Polar => 1.0,
         }
     }
+}
+
+/// A point of the unit disc; one that lies outside by rounding alone is moved to the rim.
+fn on_disc(point: DVec2) -> Option<DVec2> {
+    let radius = point.length();
+    (radius <= 1.0 + 1e-12).then(|| if radius > 1.0 { point / radius } else { point })
 }
 
 /// 1 − z without cancellation near the pole.

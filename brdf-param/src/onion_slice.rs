@@ -13,7 +13,9 @@ use crate::direction::{DirectionPair, azimuth, polar_angle, spherical_direction}
 /// The light at (α, sin β) of the slices that stand across the view azimuth, and the view itself.
 ///
 /// (α, sin β) is equal-area: dω = dα d(sin β). At the zenith the view's azimuth still fixes the
-/// frame of the light; it is 0 there when it comes from a pair.
+/// frame of the light; it is 0 there when it comes from a pair. Next to the poles of the slices,
+/// where cos β comes back through a square root, directions return with the root of the rounding
+/// error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnionSlice {
     /// Angle of the slice from the normal towards the view azimuth, radians, [−π/2, π/2].

@@ -44,6 +44,7 @@ impl Orthographic {
     pub fn to_pair(&self) -> Option<DirectionPair> {
         let h = self.h_length * DVec2::from_angle(self.phi_h);
         let k = self.k_length * DVec2::from_angle(self.phi_k);
+        let lift = |point| HemisphereMap::OrthographicDisc.decode(point);
         Some(DirectionPair::new(lift(h + k)?, lift(h - k)?))
     }
 
@@ -61,16 +62,6 @@ impl Orthographic {
     pub fn isotropic(&self) -> Self {
         Self { phi_h: 0.0, phi_k: wrap_azimuth(self.phi_k - self.phi_h), ..*self }
     }
-}
-
-/// The direction above a point of the unit disc. A point outside by no more than rounding is taken
-/// as lying on the rim, so that every pair on the horizon finds its way back.
-fn lift(point: DVec2) -> Option<glam::DVec3> {
-    let radius = point.length();
-    let inside = if radius > 1.0 && radius < 1.0 + 1e-12 { point / radius } else { point };
-    HemisphereMap::OrthographicDisc
-        .decode(inside)
-        .or_else(|| HemisphereMap::OrthographicDisc.decode(inside * (1.0 - f64::EPSILON)))
 }
 
 fn planar_azimuth(v: DVec2) -> f64 {

@@ -1,0 +1,198 @@
+//! The homomorphic factorization: solvers agree, planted factors come back, reciprocity holds, and
+//! the same input gives the same bits.
+
+use brdf_factor::{
+    Coordinate, FactorParams, FactorSpec, FactoredBrdf, LogMap, Solver, TermSolve, Weight,
+    factorize, factorize_terms,
+};
+use brdf_model::{
+    Brdf, Channels, DirectionBatch, PairSampling, Preset, RgbBatch, SampleSet, log_offsets, measure,
+};
+use brdf_param::{DirectionPair, Projection, Space};
+use brdf_tests::pair;
+use proptest::prelude::*;
+
+fn sampling(count: u32) -> PairSampling {
+    PairSampling { count, seed: 1, theta_max: 80_f64.to_radians() }
+}
+
+fn samples(name: &str, count: u32, channels: Channels) -> SampleSet {
+    SampleSet::draw(&Preset::find(name).unwrap().brdf(), &sampling(count), channels)
+}
+
+fn small() -> FactorParams {
+    FactorParams { texture_size: 8, ..FactorParams::default() }
+}
+
+fn planes() -> Vec<Projection> {
+    vec![
+        Projection::from_rows([1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]).unwrap(),
+        Projection::from_rows([0.3, -0.8, 0.1, 0.4], [0.9, 0.2, -0.5, 0.1]).unwrap(),
+    ]
+}
+
+/// Every method, space and reciprocity, as named lists of factors.
+fn all_specs() -> Vec<(String, Vec<FactorSpec>)> {
+    let mut all = Vec::new();
+    for reciprocal in [true, false] {
+        all.push((format!("mccool {reciprocal}"), FactorSpec::mccool(reciprocal)));
+        all.push((format!("radial {reciprocal}"), FactorSpec::radial(reciprocal)));
+        for space in [Space::Standard, Space::HalfDifference] {
+            let specs = FactorSpec::projections(space, &planes(), reciprocal);
+            all.push((format!("{space:?} {reciprocal}"), specs));
+        }
+    }
+    all.push((
+        "h and d".to_owned(),
+        vec![FactorSpec::single(Coordinate::H), FactorSpec::reciprocal(Coordinate::D)],
+    ));
+    all
+}
+
+#[test]
+fn the_three_solvers_predict_the_same_log_values() {
+    let training = samples("lafortune-blue-paint", 4_000, Channels::Rgb);
+    for (name, specs) in all_specs() {
+        for (weight, smoothing) in [(Weight::Log, 1e-4), (Weight::F2, 1e-3)] {
+            let fit = |solver| {
+                let params = FactorParams { solver: Some(solver), weight, smoothing, ..small() };
+                let fit = factorize(&training, &specs, &params).unwrap();
+                assert!(fit.converged, "{name}: {solver:?} after {} steps", fit.iterations);
+                fit.predictions.concat()
+            };
+            let exact = fit(Solver::Cholesky);
+            for solver in [Solver::Lsmr, Solver::Qmr] {
+                let other = fit(solver);
+                let off = exact.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-8, "{name}, {weight:?}: {solver:?} is off by {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn reciprocal_factors_cannot_tell_light_from_viewer() {
+    let training = samples("ashikhmin-shirley", 4_000, Channels::Rgb);
+    for (name, specs) in all_specs() {
+        if name.ends_with("false") {
+            continue;
+        }
+        let model = factorize(&training, &specs, &small()).unwrap().model;
+        for pair in sampling(500).pairs() {
+            let (a, b) = (model.eval(&pair).g, model.eval(&pair.swapped()).g);
+            assert!((a - b).abs() <= 1e-9 * a, "{name}: {a} and {b}");
+        }
+    }
+}
+
+/// A product of known textures over McCool's coordinates is found again.
+#[test]
+fn planted_factors_come_back() {
+    let seen = samples("lafortune-clay", 20_000, Channels::Rgb);
+    let planted = factorize(&seen, &FactorSpec::mccool(true), &small()).unwrap().model;
+    let product = SampleSet::draw(&planted, &sampling(20_000), Channels::Rgb);
+    let params = FactorParams { smoothing: 1e-9, log_map: LogMap::Log, ..small() };
+    let fit = factorize(&product, &FactorSpec::mccool(true), &params).unwrap();
+    let errors = measure(&product, &fit.model, &log_offsets(&product));
+    assert!(errors.log.mean_square < 1e-6, "{errors:?}");
+}
+
+#[test]
+fn more_terms_never_fit_worse() {
+    let training = samples("cook-torrance", 8_000, Channels::Luminance);
+    let specs = FactorSpec::projections(Space::HalfDifference, &planes(), true);
+    let offsets = log_offsets(&training);
+    for terms in [TermSolve::All, TermSolve::Last(1)] {
+        let params = FactorParams { terms, ..small() };
+        let errors: Vec<f64> = factorize_terms(&training, &specs, &params)
+            .unwrap()
+            .iter()
+            .map(|fit| measure(&training, &fit.model, &offsets).log.mean_square)
+            .collect();
+        assert!(errors.windows(2).all(|w| w[1] <= w[0] * 1.001), "{terms:?}: {errors:?}");
+    }
+}
+
+#[test]
+fn equal_runs_give_equal_bits_on_any_number_of_threads() {
+    let training = samples("lafortune-skin", 5_000, Channels::Rgb);
+    let run = |threads: usize| -> FactoredBrdf {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| factorize(&training, &FactorSpec::mccool(true), &small()).unwrap().model)
+    };
+    let one = run(1);
+    assert_eq!(one, run(2));
+    assert_eq!(one, run(1));
+}
+
+#[test]
+fn black_channels_stay_black_and_constants_stay_constant() {
+    let mut training = SampleSet::new(Channels::Rgb);
+    for pair in sampling(2_000).pairs() {
+        training.push(&pair, &[0.25, 0.0, 0.25]);
+    }
+    let model = factorize(&training, &FactorSpec::mccool(true), &small()).unwrap().model;
+    for pair in sampling(200).pairs() {
+        let value = model.eval(&pair);
+        assert!(value.g.abs() < 1e-300 && (value.r - 0.25).abs() < 1e-5, "{value:?}");
+    }
+}
+
+#[test]
+fn options_out_of_range_and_free_texels_are_refused() {
+    let training = samples("lambert", 500, Channels::Luminance);
+    let specs = FactorSpec::mccool(true);
+    let message =
+        |params: FactorParams| factorize(&training, &specs, &params).unwrap_err().to_string();
+    assert!(message(FactorParams { texture_size: 1, ..small() }).contains("2 to 1024"));
+    assert!(message(FactorParams { texture_size: 0, ..small() }).contains("2 to 1024"));
+    assert!(message(FactorParams { smoothing: f64::NAN, ..small() }).contains("smoothing"));
+    let free = message(FactorParams { smoothing: 0.0, texture_size: 32, ..small() });
+    assert!(free.contains("texel (") && free.contains("1e-4"), "{free}");
+    let empty = SampleSet::new(Channels::Rgb);
+    let nothing = factorize(&empty, &specs, &small()).unwrap_err().to_string();
+    assert!(nothing.contains("no samples"), "{nothing}");
+}
+
+fn models() -> Vec<(String, FactoredBrdf)> {
+    let training = samples("lafortune-blue-paint", 3_000, Channels::Rgb);
+    let mut all: Vec<(String, FactoredBrdf)> = all_specs()
+        .into_iter()
+        .map(|(name, specs)| (name, factorize(&training, &specs, &small()).unwrap().model))
+        .collect();
+    for log_map in [LogMap::Log, LogMap::Highlight] {
+        let params = FactorParams { log_map, ..small() };
+        let fit = factorize(&training, &FactorSpec::mccool(true), &params).unwrap();
+        all.push((format!("{log_map:?}"), fit.model));
+    }
+    all
+}
+
+proptest! {
+    #![proptest_config(brdf_tests::cases(64))]
+
+    /// The batch form is the single form in f32, for every kind of coordinate and log map, below
+    /// the horizon and beyond the grazing limit too.
+    #[test]
+    fn batches_equal_single_evaluations(pairs in prop::collection::vec(pair(), 1..150)) {
+        let mut pairs: Vec<DirectionPair> = pairs;
+        pairs[0].wi.z = -pairs[0].wi.z;
+        let batch: DirectionBatch = pairs.iter().collect();
+        let mut out = RgbBatch::default();
+        for (name, model) in MODELS.iter() {
+            model.eval_batch(&batch, &mut out);
+            for (index, pair) in pairs.iter().enumerate() {
+                // Single evaluation of what f32 left of the directions.
+                let single = model.eval(&batch.get(index));
+                let difference = (single - out.get(index)).map(f64::abs).max_channel();
+                let allowed = 2e-3 * single.max_channel() + 1e-5;
+                // Half vectors of nearly opposite directions are noise in f32.
+                if (pair.wi + pair.wo).length() > 1e-3 {
+                    prop_assert!(difference <= allowed, "{name}: {single:?} {:?} at {pair:?}", out.get(index));
+                }
+            }
+        }
+    }
+}
+
+static MODELS: std::sync::LazyLock<Vec<(String, FactoredBrdf)>> = std::sync::LazyLock::new(models);

@@ -1,0 +1,141 @@
+//! Round trips, reciprocity and isotropy of direction maps and parametrizations.
+
+use std::f64::consts::PI;
+
+use brdf_param::{Coordinates, DirectionPair, HemisphereMap, Parametrization};
+use brdf_tests::{direction, pair};
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+
+/// How far a rebuilt direction may be off. Orthographic and hybrid coordinates hold no heights, and
+/// onion slices no cosine of β; those come back through a square root, which where they are small
+/// turns a rounding error ε of the coordinates into √ε.
+fn tolerance(parametrization: Parametrization, pair: &DirectionPair) -> f64 {
+    let through_a_root = |smallest: f64| (1e-15 / smallest.max(1e-9)).clamp(1e-12, 1e-7);
+    let cos_beta = |wi: DVec3, wo: DVec3| {
+        let view = wo.truncate().try_normalize().unwrap_or(DVec2::X);
+        wi.z.hypot(wi.truncate().dot(view))
+    };
+    match parametrization {
+        Parametrization::Orthographic | Parametrization::Hybrid => {
+            through_a_root(pair.wi.z.min(pair.wo.z))
+        }
+        Parametrization::OnionSlice => {
+            through_a_root(cos_beta(pair.wi, pair.wo).min(cos_beta(pair.wo, pair.wi)))
+        }
+        _ => 1e-12,
+    }
+}
+
+proptest! {
+    #![proptest_config(brdf_tests::cases(20_000))]
+
+    #[test]
+    fn hemisphere_maps_return_directions(w in direction()) {
+        for map in HemisphereMap::ALL {
+            let back = map.decode(map.encode(w)).expect("encoded points lie in the domain");
+            let allowed = match map {
+                // The height comes back through a square root.
+                HemisphereMap::OrthographicDisc => (1e-15 / w.z.max(1e-9)).clamp(1e-12, 1e-7),
+                _ => 1e-12,
+            };
+            prop_assert!(back.distance(w) < allowed, "{map:?}: {back} for {w}");
+        }
+    }
+
+    #[test]
+    fn parametrizations_return_pairs(pair in pair()) {
+        for parametrization in Parametrization::ALL {
+            let coordinates = parametrization.forward(&pair);
+            let back = parametrization.inverse(coordinates);
+            let allowed = tolerance(parametrization, &pair);
+            prop_assert!(back.is_some(), "{parametrization:?} lost {pair:?} at {coordinates:?}");
+            let back = back.unwrap_or(pair);
+            let off = back.wi.distance(pair.wi).max(back.wo.distance(pair.wo));
+            prop_assert!(off < allowed, "{parametrization:?}: off by {off} at {pair:?}");
+        }
+    }
+
+    #[test]
+    fn reciprocal_coordinates_are_those_of_the_swapped_pair(pair in pair()) {
+        for parametrization in Parametrization::ALL {
+            let swapped = parametrization.reciprocal(parametrization.forward(&pair));
+            let Some(back) = parametrization.inverse(swapped) else {
+                // A rounding error may carry a pair on the horizon below it.
+                prop_assert!(pair.wi.z.min(pair.wo.z) < 1e-6, "{parametrization:?} lost {pair:?}");
+                continue;
+            };
+            let off = back.wi.distance(pair.wo).max(back.wo.distance(pair.wi));
+            let allowed = 4.0 * tolerance(parametrization, &pair);
+            prop_assert!(off < allowed, "{parametrization:?}: off by {off} at {pair:?}");
+        }
+    }
+
+    #[test]
+    fn isotropic_coordinates_keep_what_rotation_keeps(pair in pair(), turn in -PI..PI) {
+        for parametrization in Parametrization::ALL {
+            let canonical = parametrization.isotropic(parametrization.forward(&pair));
+            let Some(back) = parametrization.inverse(canonical) else {
+                prop_assert!(pair.wi.z.min(pair.wo.z) < 1e-6, "{parametrization:?} lost {pair:?}");
+                continue;
+            };
+            let turned = pair.rotated_about_normal(turn);
+            let allowed = 4.0 * tolerance(parametrization, &pair);
+            let off = [
+                back.wi.z - turned.wi.z,
+                back.wo.z - turned.wo.z,
+                back.wi.dot(back.wo) - turned.wi.dot(turned.wo),
+            ];
+            prop_assert!(
+                off.iter().all(|d| d.abs() < allowed),
+                "{parametrization:?}: {off:?} at {pair:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn coordinates_that_are_not_finite_belong_to_nothing() {
+    for parametrization in Parametrization::ALL {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let coordinates = Coordinates(glam::DVec4::new(0.1, bad, 0.1, 0.0));
+            assert!(!parametrization.contains(coordinates), "{parametrization:?} took {bad}");
+        }
+    }
+}
+
+/// Integrating 1 and cosθ over the domain of each map gives 2π and π.
+#[test]
+fn solid_angle_densities_integrate_to_the_hemisphere() {
+    const STEPS: i32 = 1000;
+    for map in HemisphereMap::ALL {
+        let (low, high) = match map {
+            HemisphereMap::Spherical => ((0.0, -PI), (PI / 2.0, PI)),
+            HemisphereMap::Parabolic | HemisphereMap::OrthographicDisc => {
+                ((-1.0, -1.0), (1.0, 1.0))
+            }
+            HemisphereMap::Polar => ((0.0, 0.0), (1.0, 1.0)),
+        };
+        let at = |i: i32, low: f64, high: f64| {
+            low + (high - low) * (f64::from(i) + 0.5) / f64::from(STEPS)
+        };
+        let cell = (high.0 - low.0) * (high.1 - low.1) / f64::from(STEPS * STEPS);
+        let (mut solid_angle, mut cosine, mut area) = (0.0, 0.0, 0.0);
+        for i in 0..STEPS {
+            for j in 0..STEPS {
+                let point = glam::DVec2::new(at(i, low.0, high.0), at(j, low.1, high.1));
+                if let Some(w) = map.decode(point) {
+                    let density = map.solid_angle_density(point) * cell;
+                    solid_angle += density;
+                    cosine += density * w.z;
+                    area += cell;
+                }
+            }
+        }
+        assert!((cosine / PI - 1.0).abs() < 2e-3, "{map:?}: {cosine}");
+        assert!((area / map.domain_area() - 1.0).abs() < 2e-3, "{map:?}: {area}");
+        // The rim of the orthographic disc holds a band that a grid of texels misses.
+        let allowed = if map == HemisphereMap::OrthographicDisc { 3e-2 } else { 2e-3 };
+        assert!((solid_angle / (2.0 * PI) - 1.0).abs() < allowed, "{map:?}: {solid_angle}");
+    }
+}

@@ -1,0 +1,64 @@
+//! Projections: orthonormal rows, tight bounds, reciprocal conjugates.
+
+use brdf_param::{Bound, DiscRadii, ParabolicPair, Projection, Space, contains_point};
+use brdf_tests::pair;
+use glam::DVec2;
+use proptest::prelude::*;
+
+fn projection() -> impl Strategy<Value = Projection> {
+    let row = || prop::array::uniform4(-1.0..1.0_f64);
+    (row(), row()).prop_filter_map("dependent rows", |(a, b)| Projection::from_rows(a, b).ok())
+}
+
+proptest! {
+    #![proptest_config(brdf_tests::cases(2_000))]
+
+    #[test]
+    fn rows_are_orthonormal_and_survive_storage(p in projection()) {
+        let [a, b] = p.rows();
+        prop_assert!((a.length() - 1.0).abs() < 1e-13 && (b.length() - 1.0).abs() < 1e-13);
+        prop_assert!(a.dot(b).abs() < 1e-13);
+        let again = Projection::from_rows(a.to_array(), b.to_array());
+        prop_assert_eq!(again.ok(), Some(p));
+    }
+
+    /// The disc bound is reached and never passed; the cube bound is never tighter.
+    #[test]
+    fn the_disc_bound_is_exact(p in projection(), r1 in 0.1..1.0_f64, r2 in 0.1..1.0_f64) {
+        let radii = DiscRadii { first: r1, second: r2 };
+        let scaled = p.scaled(Bound::Disc, radii);
+        let polygon = scaled.image_polygon(Bound::Disc, radii);
+        let furthest = polygon.iter().fold(DVec2::ZERO, |m, v| m.max(v.abs()));
+        prop_assert!(furthest.max_element() <= 1.0 + 1e-12);
+        prop_assert!(furthest.min_element() > 0.999, "touches all sides: {furthest}");
+        let cube = p.extent(Bound::Cube, DiscRadii::UNIT);
+        let disc = p.extent(Bound::Disc, DiscRadii::UNIT);
+        prop_assert!(disc.cmple(cube + 1e-12).all());
+    }
+
+    #[test]
+    fn images_of_points_lie_in_the_polygon(
+        p in projection(),
+        radii in prop::array::uniform2(0.0..1.0_f64),
+        azimuths in prop::array::uniform2(0.0..7.0_f64),
+    ) {
+        let scaled = p.scaled(Bound::Disc, DiscRadii::UNIT);
+        let polygon = scaled.image_polygon(Bound::Disc, DiscRadii::UNIT);
+        let disc = |i: usize| radii[i] * DVec2::from_angle(azimuths[i]);
+        let image = scaled.apply(ParabolicPair { first: disc(0), second: disc(1) });
+        // The polygon cuts 8e-5 of the rim off.
+        prop_assert!(contains_point(&polygon, image * (1.0 - 2e-4)), "{image}");
+    }
+
+    #[test]
+    fn conjugates_read_the_swapped_pair(p in projection(), pair in pair()) {
+        for space in [Space::Standard, Space::HalfDifference] {
+            let here = p.scaled_by(DVec2::ONE).apply(space.coordinates(&pair));
+            let there = p
+                .reciprocal_conjugate(space)
+                .scaled_by(DVec2::ONE)
+                .apply(space.coordinates(&pair.swapped()));
+            prop_assert!(here.distance(there) < 1e-12, "{space:?} at {pair:?}");
+        }
+    }
+}
