@@ -66,6 +66,12 @@ impl DirectionPair {
         self.wi.is_finite() && self.wo.is_finite() && self.wi.z >= 0.0 && self.wo.z >= 0.0
     }
 
+    /// Both directions are on the upper side or below it by no more than rounding (1e-12), as those
+    /// that were rebuilt from coordinates of a pair on the horizon may be.
+    pub(crate) fn reaches_horizon(&self) -> bool {
+        self.wi.is_finite() && self.wo.is_finite() && self.wi.z.min(self.wo.z) >= -1e-12
+    }
+
     /// The unit half vector, norm(wi + wo).
     ///
     /// Two opposite directions have none: they both lie on the horizon, and the normal stands in,

@@ -60,12 +60,12 @@ impl HalfDifference {
         DirectionPair::new(wi, wo)
     }
 
-    /// The angles are in range and both directions lie above the horizon.
+    /// The angles are in range and both directions lie above the horizon, to rounding.
     pub fn is_in_domain(&self) -> bool {
         let quarter_turn = 0.0..=FRAC_PI_2;
         quarter_turn.contains(&self.theta_h)
             && quarter_turn.contains(&self.theta_d)
-            && self.to_pair().is_above_horizon()
+            && self.to_pair().reaches_horizon()
     }
 
     /// Light and viewer exchanged: `phi_d` + π.

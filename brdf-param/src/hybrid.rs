@@ -62,14 +62,14 @@ impl Hybrid {
         DirectionPair::new(h + k, h - k)
     }
 
-    /// ‖h̄‖² + ‖k‖² ≤ 1 and both directions lie above the horizon (to 1e-9, the accuracy with
+    /// ‖h̄‖² + ‖k‖² ≤ 1 and both directions lie above the horizon (to 1e-7, the accuracy with
     /// which heights can be rebuilt there).
     pub fn is_in_domain(&self) -> bool {
         let pair = self.to_pair();
         self.h_length >= 0.0
             && self.k_length >= 0.0
             && self.h_length.hypot(self.k_length) <= 1.0 + 1e-12
-            && pair.wi.z.min(pair.wo.z) >= -1e-9
+            && pair.wi.z.min(pair.wo.z) >= -1e-7
     }
 
     /// Light and viewer exchanged: `phi_k` + π.

@@ -4,12 +4,17 @@
 //! Source: Kautz and McCool 1999, as given by Cole 2002, Eq. 1.4:
 //! h = norm(wi + wo), r = norm(t − (t·h) h), s = h × r, d = (r·wi, s·wi, h·wi).
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::{DVec2, DVec3};
 
 use crate::direction::{DirectionPair, azimuth};
 use crate::hemisphere::HemisphereMap;
 
 /// Parabolic coordinates of the half vector and of the difference vector, each in the unit disc.
+///
+/// Next to half vectors along the tangent the frame turns quickly, and directions return with the
+/// rounding error divided by the distance from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KautzMcCool {
     /// Parabolic coordinates of the half vector, about the normal.
@@ -40,9 +45,9 @@ impl KautzMcCool {
         Some(DirectionPair::new(along + across, along - across))
     }
 
-    /// The coordinates lie in their discs and both directions above the horizon.
+    /// The coordinates lie in their discs and both directions above the horizon, to rounding.
     pub fn is_in_domain(&self) -> bool {
-        self.to_pair().is_some_and(|pair| pair.is_above_horizon())
+        self.to_pair().is_some_and(|pair| pair.reaches_horizon())
     }
 
     /// Light and viewer exchanged: d → −d.
@@ -50,13 +55,14 @@ impl KautzMcCool {
         Self { h: self.h, d: -self.d }
     }
 
-    /// The same configuration turned about the normal so that the half vector has azimuth 0.
+    /// The same configuration turned about the normal so that the half vector leans along the
+    /// bitangent: there the frame is as far from its degenerate place, the tangent, as it can be.
     ///
     /// The frame is tied to the tangent, so d turns too: this goes through the directions.
     /// Coordinates outside the domain are returned as they are.
     pub fn isotropic(&self) -> Self {
         self.to_pair().map_or(*self, |pair| {
-            Self::from_pair(&pair.rotated_about_normal(-azimuth(pair.half())))
+            Self::from_pair(&pair.rotated_about_normal(FRAC_PI_2 - azimuth(pair.half())))
         })
     }
 }

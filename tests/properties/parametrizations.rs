@@ -23,6 +23,11 @@ fn tolerance(parametrization: Parametrization, pair: &DirectionPair) -> f64 {
         Parametrization::OnionSlice => {
             through_a_root(cos_beta(pair.wi, pair.wo).min(cos_beta(pair.wo, pair.wi)))
         }
+        // The frame of the difference vector turns quickly next to the tangent.
+        Parametrization::KautzMcCool => {
+            let half = pair.half();
+            (1e-15 / half.y.hypot(half.z).max(1e-15)).clamp(1e-12, 2.0)
+        }
         _ => 1e-12,
     }
 }

@@ -1,0 +1,366 @@
+//! The binary as people and pipelines use it: exit codes, streams, files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn brdf(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("the binary runs")
+}
+
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = brdf(folder, arguments);
+    let (out, err) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "brdf {arguments:?}: {out}{err}");
+    out
+}
+
+/// Runs a command that must fail with one line on standard error, and returns that line.
+fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = brdf(folder, arguments);
+    let err = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "brdf {arguments:?}: {err}");
+    if code == 1 {
+        assert_eq!(err.trim_end().lines().count(), 1, "one line: {err}");
+        assert!(err.starts_with("brdf: "), "{err}");
+    }
+    err
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+const QUICK: [&str; 4] = ["--texture-size", "8", "--samples", "3000"];
+
+#[test]
+fn factor_without_arguments_writes_its_folder() {
+    let root = TempDir::new().unwrap();
+    let out = succeed(root.path(), &["factor"]);
+    assert!(out.contains("2 textures"), "{out}");
+    let names = ["model.safetensors", "spheres.png", "report.html", "report.json"];
+    let factors = ["factor-0.exr", "factor-0.png", "factor-1.exr", "factor-1.png"];
+    for name in names.iter().chain(&factors) {
+        let length = fs::metadata(root.path().join("brdf-out").join(name)).unwrap().len();
+        assert!(length > 100, "{name} has {length} bytes");
+    }
+    let page = fs::read_to_string(root.path().join("brdf-out/report.html")).unwrap();
+    assert!(page.contains("data:image/png;base64,") && !page.contains("src=\"http"));
+    // Once more, over itself.
+    succeed(root.path(), &["factor"]);
+    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1, "nothing is left beside it");
+}
+
+/// The two figures that a prototype recorded, over the spread of scrambles.
+#[test]
+fn mccool_reproduces_the_recorded_errors() {
+    let root = TempDir::new().unwrap();
+    for (preset, expected) in
+        [("preset:lafortune-blue-paint", 0.0268), ("preset:cook-torrance", 0.0444)]
+    {
+        let options = "--method mccool --luminance --samples 45000 --texture-size 16 --bound cube \
+                       --smoothing 1e-3 --space standard --json";
+        let arguments: Vec<&str> =
+            ["factor", preset].into_iter().chain(options.split_whitespace()).collect();
+        let report = json(&succeed(root.path(), &arguments));
+        let found = report["terms"][0]["log"]["mean_square"].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 0.06, "{preset}: {found}");
+    }
+}
+
+#[test]
+fn factor_json_has_the_documented_keys() {
+    let root = TempDir::new().unwrap();
+    let arguments = [&["factor", "preset:ggx", "--json"], &QUICK[..]].concat();
+    let printed = succeed(root.path(), &arguments);
+    let report = json(&printed);
+    for key in [
+        "input",
+        "model",
+        "method",
+        "space",
+        "samples",
+        "terms",
+        "baseline",
+        "evaluations",
+        "seconds",
+        "bytes",
+    ] {
+        assert!(!report[key].is_null(), "{key} in {report}");
+    }
+    assert!(report["samples"]["used"].is_u64() && report["samples"]["dropped"].is_object());
+    let term = &report["terms"][0];
+    assert_eq!(term["textures"], 2);
+    for errors in [term, &term["held_out"], &report["baseline"]["mccool"]] {
+        for kind in ["log", "linear"] {
+            for measure in ["mean_abs", "mean_square", "max"] {
+                assert!(errors[kind][measure].is_f64(), "{kind} {measure} in {errors}");
+            }
+        }
+    }
+    let stored = fs::read_to_string(root.path().join("brdf-out/report.json")).unwrap();
+    assert_eq!(printed.trim_end(), stored);
+}
+
+#[test]
+fn compare_json_has_the_documented_keys() {
+    let root = TempDir::new().unwrap();
+    succeed(root.path(), &[&["factor", "preset:plastic"], &QUICK[..]].concat());
+    let arguments = [
+        "compare",
+        "preset:plastic",
+        "brdf-out/model.safetensors",
+        "preset:plastic",
+        "--luminance",
+        "--samples",
+        "2000",
+        "--seed",
+        "7",
+        "--max-theta-deg",
+        "70",
+        "--json",
+    ];
+    let report = json(&succeed(root.path(), &arguments));
+    assert_eq!(report["reference"], "preset:plastic");
+    assert_eq!((&report["samples"], &report["seed"]), (&Value::from(2000), &Value::from(7)));
+    let results = report["results"].as_array().unwrap();
+    assert!(results[0]["bytes"].as_u64().unwrap() > 0);
+    assert!(results[0]["cosine_rms"].as_f64().unwrap() > 0.0);
+    for key in ["mean_abs", "mean_square", "max"] {
+        assert!(results[0]["log"][key].as_f64().unwrap() > 0.0, "{key}");
+        assert!(results[1]["linear"][key].as_f64().unwrap().abs() < 1e-12, "identical: {key}");
+    }
+}
+
+#[test]
+fn models_are_byte_identical_for_any_number_of_threads_and_runs() {
+    let root = TempDir::new().unwrap();
+    let model = |threads: &str, folder: &str| {
+        let status = Command::new(env!("CARGO_BIN_EXE_brdf"))
+            .args(["factor", "preset:ward", "-o", folder])
+            .args(QUICK)
+            .env("RAYON_NUM_THREADS", threads)
+            .current_dir(root.path())
+            .output()
+            .unwrap();
+        assert!(status.status.success());
+        ["model.safetensors", "factor-0.exr", "spheres.png"]
+            .map(|name| fs::read(root.path().join(folder).join(name)).unwrap())
+    };
+    let one = model("1", "a");
+    assert_eq!(one, model("2", "b"));
+    assert_eq!(one, model("1", "c"));
+}
+
+#[test]
+fn sample_eval_and_convert_feed_each_other() {
+    let root = TempDir::new().unwrap();
+    succeed(root.path(), &["sample", "preset:ward", "-n", "200", "-o", "pairs.csv"]);
+    let values = succeed(root.path(), &["eval", "preset:ward", "--directions", "pairs.csv"]);
+    let pairs = fs::read_to_string(root.path().join("pairs.csv")).unwrap();
+    assert_eq!(values.lines().next(), pairs.lines().next());
+    for (a, b) in values.lines().zip(pairs.lines()).skip(1) {
+        let numbers = |line: &str| -> Vec<f64> {
+            line.split(',').map(|field| field.parse().unwrap()).collect()
+        };
+        for (x, y) in numbers(a).into_iter().zip(numbers(b)) {
+            assert!((x - y).abs() <= 1e-9 * x.abs().max(1.0), "{a} against {b}");
+        }
+    }
+    succeed(root.path(), &["convert", "pairs.csv", "pairs.safetensors"]);
+    succeed(root.path(), &["convert", "preset:plastic", "plastic.binary"]);
+    let facts = succeed(root.path(), &["info", "pairs.safetensors", "plastic.binary", "--json"]);
+    let facts = json(&facts);
+    assert_eq!(facts[0]["samples"]["count"], 200);
+    assert_eq!(facts[1]["format"], "MERL binary");
+    // A pipe does as well as a file.
+    let piped = Command::new("sh")
+        .args(["-c", "cat pairs.csv | \"$BRDF\" eval preset:ward --directions /dev/stdin"])
+        .env("BRDF", env!("CARGO_BIN_EXE_brdf"))
+        .current_dir(root.path())
+        .output()
+        .unwrap();
+    assert_eq!(text(&piped.stdout), values);
+}
+
+#[test]
+fn every_method_and_option_runs() {
+    let root = TempDir::new().unwrap();
+    let planes = "projections = [[[1,0,1,0],[0,1,0,1]], [[1,0,0,0],[0,1,0,0]]]";
+    fs::write(root.path().join("planes.toml"), planes).unwrap();
+    fs::write(
+        root.path().join("planes.json"),
+        r#"{"space": "half-difference", "projections": [[[1,0,0,0],[0,1,0,0]]]}"#,
+    )
+    .unwrap();
+    let runs: [&[&str]; 9] = [
+        &["--method", "radial"],
+        &["--method", "radial", "--reciprocal", "off"],
+        &["--method", "projections", "--projections", "planes.toml"],
+        &["--method", "projections", "--projections", "planes.toml", "--space", "half-difference"],
+        &["--method", "projections", "--projections", "planes.json", "--reciprocal", "off"],
+        &["--log-map", "log", "--weight", "f"],
+        &["--log-map", "highlight", "--weight", "f2"],
+        &["--replicate", "4", "--max-theta-deg", "70", "--seed", "9"],
+        &["--luminance", "--bound", "cube", "--reciprocal", "off"],
+    ];
+    for run in runs {
+        let arguments = [&["factor", "preset:plastic", "--json"], &QUICK[..], run].concat();
+        let report = json(&succeed(root.path(), &arguments));
+        let terms = report["terms"].as_array().unwrap();
+        let error = terms.last().unwrap()["held_out"]["log"]["mean_square"].as_f64().unwrap();
+        assert!(error.is_finite() && error < 1.0, "{run:?}: {error}");
+    }
+}
+
+#[test]
+fn bad_input_gets_one_clear_line() {
+    let root = TempDir::new().unwrap();
+    let place = |name: &str, content: &[u8]| fs::write(root.path().join(name), content).unwrap();
+    place("short.binary", &[90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0, 1, 2]);
+    place("dims.binary", &[90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0]);
+    place("empty.csv", b"");
+    place("words.csv", b"theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,value\n1,2,3,x,5\n");
+    place("dark.csv", b"theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,value\n100,2,3,4,5\n");
+    place("rows.json", br#"{"projections": [[[1,0,0,0],[2,0,0,0]]]}"#);
+    fs::create_dir(root.path().join("folder")).unwrap();
+    let cases: [(&[&str], &[&str]); 11] = [
+        (&["factor", "nothing.brdf"], &["nothing.brdf", "opening"]),
+        (&["factor", "cook-torrance"], &["preset:cook-torrance"]),
+        (&["factor", "preset:gold"], &["preset:gold", "lafortune-blue-paint"]),
+        (&["info", "short.binary"], &["short.binary", "14 bytes", "34992012"]),
+        (&["info", "empty.csv"], &["empty.csv", "empty"]),
+        (&["info", "words.csv"], &["words.csv", "line 2", "\"x\"", "a number"]),
+        (&["factor", "dark.csv"], &["dark.csv", "1 below the horizon"]),
+        (&["factor", "folder"], &["folder", "expected a file"]),
+        (
+            &["factor", "--method", "projections", "--projections", "rows.json"],
+            &["rows.json", "projection 1", "dependent"],
+        ),
+        (&["factor", "-o", "missing/out"], &["missing/out"]),
+        (&["render", "preset:ggx", "--env", "words.csv"], &["words.csv", "HDR"]),
+    ];
+    for (arguments, words) in cases {
+        let message = fail(root.path(), arguments, 1);
+        for word in words {
+            assert!(message.contains(word), "{word:?} in {message}");
+        }
+    }
+    assert!(!root.path().join("brdf-out").exists(), "nothing half-written");
+}
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    let root = TempDir::new().unwrap();
+    let cases: [&[&str]; 9] = [
+        &["factor", "--texture-size", "0"],
+        &["factor", "--texture-size", "1"],
+        &["factor", "--texture-size", "100000"],
+        &["factor", "--smoothing=-1"],
+        &["factor", "--space", "half-difference"],
+        &["factor", "--method", "radial", "--space", "half-difference"],
+        &["factor", "--method", "projections"],
+        &["factor", "--max-theta-deg", "91"],
+        &["compare", "preset:ggx"],
+    ];
+    for arguments in cases {
+        fail(root.path(), arguments, 2);
+    }
+    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0, "nothing was written");
+}
+
+#[test]
+fn foreign_files_are_left_alone() {
+    let root = TempDir::new().unwrap();
+    let folder = root.path().join("brdf-out");
+    fs::create_dir(&folder).unwrap();
+    fs::write(folder.join("notes.txt"), "mine").unwrap();
+    let arguments = [&["factor"], &QUICK[..]].concat();
+    let message = fail(root.path(), &arguments, 1);
+    assert!(message.contains("--force"), "{message}");
+    succeed(root.path(), &[&arguments[..], &["--force"]].concat());
+    assert_eq!(fs::read_to_string(folder.join("notes.txt")).unwrap(), "mine");
+    assert!(folder.join("report.html").exists());
+}
+
+#[test]
+fn a_reader_that_stops_early_is_no_error() {
+    let root = TempDir::new().unwrap();
+    let status = Command::new("sh")
+        .args(["-c", "\"$BRDF\" sample preset:ggx -n 20000 | head -n 1; exit ${PIPESTATUS:-0}"])
+        .env("BRDF", env!("CARGO_BIN_EXE_brdf"))
+        .current_dir(root.path())
+        .output()
+        .unwrap();
+    assert!(!text(&status.stderr).contains("roken pipe"), "{}", text(&status.stderr));
+}
+
+#[test]
+fn help_teaches_and_completions_complete() {
+    let root = TempDir::new().unwrap();
+    let help = succeed(root.path(), &["factor", "--help"]);
+    for word in ["degrees", "Examples:", "[default: 45000]", "--reciprocal"] {
+        assert!(help.contains(word), "{word} in the help");
+    }
+    assert!(succeed(root.path(), &["completions", "bash"]).contains("_brdf"));
+    assert_eq!(brdf(root.path(), &[]).status.code(), Some(2), "no arguments explain themselves");
+}
+
+/// The README's ten lines of NumPy give what `brdf eval` gives.
+#[test]
+#[expect(clippy::print_stderr, reason = "a skipped test says why")]
+fn the_readme_evaluates_a_model_in_numpy() {
+    let python = std::env::var("BRDF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let modules = Command::new(&python).args(["-c", "import numpy, safetensors"]).output();
+    if !modules.is_ok_and(|output| output.status.success()) {
+        eprintln!(
+            "skipped: {python} has no numpy and safetensors; set BRDF_PYTHON to one that has"
+        );
+        return;
+    }
+    let readme = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+    let readme = fs::read_to_string(readme).unwrap();
+    let snippet = readme
+        .split("```python\n")
+        .nth(1)
+        .and_then(|rest| rest.split("```").next())
+        .expect("a Python snippet in the README");
+    assert!(snippet.lines().filter(|line| !line.trim().is_empty()).count() <= 10, "ten lines");
+
+    let root = TempDir::new().unwrap();
+    succeed(root.path(), &["factor"]);
+    succeed(root.path(), &["sample", "preset:ggx", "-n", "100", "-o", "pairs.csv"]);
+    let model = "brdf-out/model.safetensors";
+    let expected = succeed(root.path(), &["eval", model, "--directions", "pairs.csv"]);
+    let script = format!(
+        "{snippet}\nimport csv\n\
+         for row in csv.DictReader(open('pairs.csv')):\n    \
+         ti, pi, to, po = (np.radians(float(row[k])) for k in \
+         ('theta_i_deg', 'phi_i_deg', 'theta_o_deg', 'phi_o_deg'))\n    \
+         d = lambda t, p: np.array([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)])\n    \
+         print(*evaluate(d(ti, pi), d(to, po)), sep=',')\n"
+    );
+    let output =
+        Command::new(&python).args(["-c", &script]).current_dir(root.path()).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let printed = text(&output.stdout);
+    assert_eq!(printed.lines().count(), 100);
+    for (python, rust) in printed.lines().zip(expected.lines().skip(1)) {
+        let python: Vec<f64> = python.split(',').map(|v| v.parse().unwrap()).collect();
+        let rust: Vec<f64> = rust.split(',').skip(4).map(|v| v.parse().unwrap()).collect();
+        for (p, r) in python.iter().zip(&rust) {
+            assert!((p - r).abs() <= 1e-5 * r.abs() + 1e-7, "{python:?} against {rust:?}");
+        }
+    }
+}
