@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use brdf_io::{ColumnMap, ReadOptions};
+use brdf_io::{ColumnMap, Overwrite, ReadOptions};
 use brdf_model::{Channels, MerlLookup, MerlNodes};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, ValueEnum};
@@ -98,6 +98,20 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+/// What may be overwritten.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct ForceArgs {
+    /// Overwrite a file that brdf did not write
+    #[arg(long)]
+    force: bool,
+}
+
+impl ForceArgs {
+    pub(crate) fn overwrite(self) -> Overwrite {
+        if self.force { Overwrite::Anything } else { Overwrite::Ours }
     }
 }
 

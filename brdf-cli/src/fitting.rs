@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use brdf_factor::{
-    CrossValidation, FactorError, FactorParams, FactorSpec, Fit, cross_validate, factorize,
+    CrossValidation, FactorError, FactorParams, FactorSpec, Fit, LogMap, cross_validate, factorize,
     factorize_terms,
 };
 use brdf_io::{FitSettings, TermRecord};
@@ -122,6 +122,7 @@ impl Training {
                 Channels::Rgb => rows.clone(),
             }
             .within(theta_max);
+            let rows = fit_for(settings.params.log_map, rows);
             let folds = CrossValidation {
                 folds: FOLDS,
                 rotations: settings.replicate,
@@ -134,6 +135,7 @@ impl Training {
         }
         let sampling = PairSampling { count: settings.samples, seed: settings.seed, theta_max };
         let rows = SampleSet::draw(subject.brdf(), &sampling, channels);
+        let rows = fit_for(settings.params.log_map, rows);
         let fitted = rows.replicated(settings.replicate, false);
         let unseen = PairSampling {
             count: HELD_OUT_PAIRS,
@@ -163,6 +165,15 @@ impl Training {
             training: measure(&self.rows, &fit.model, &offsets),
             held_out,
         })
+    }
+}
+
+/// The rows that a log map can take: dropped before they are copied, so that rows are counted and
+/// not copies, and so that training errors are of what was fitted.
+fn fit_for(log_map: LogMap, rows: SampleSet) -> SampleSet {
+    match log_map {
+        LogMap::Log => rows.positive(),
+        LogMap::Offset | LogMap::Highlight => rows,
     }
 }
 

@@ -306,7 +306,8 @@ impl Brdf for FactoredBrdf {
     }
 
     fn eval_signed(&self, pair: &DirectionPair) -> Rgb {
-        if pair.wi.z <= 0.0 || pair.wo.z <= 0.0 {
+        // Written so that NaN directions are not lit either.
+        if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             return Rgb::BLACK;
         }
         let logs = self.log_values(pair);

@@ -113,8 +113,8 @@ pub struct Fit {
     pub iterations: usize,
     /// Whether the solver reached its tolerance.
     pub converged: bool,
-    /// What the solution predicts for every sample before texels are narrowed to f32: the fitted
-    /// log values, one array per channel. This is what solvers are compared by.
+    /// What the solved factors give for every sample before texels are narrowed to f32, one array
+    /// per channel; 0 for samples of weight 0. This is what solvers are compared by.
     pub predictions: Vec<Vec<f64>>,
 }
 

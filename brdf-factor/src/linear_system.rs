@@ -59,7 +59,7 @@ impl LinearSystem {
                     // The mask holds every texel around a point of the image, so all are found.
                     if let Some(unknown) = block.unknown_of[texel] {
                         rows.push(unknown, weight);
-                        touched[unknown] |= weight > 0.0;
+                        touched[unknown] |= weight > 0.0 && root > 0.0;
                     }
                 });
             }

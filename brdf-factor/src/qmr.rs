@@ -31,10 +31,12 @@ pub(crate) fn solve(matrix: &SparseRows, side: &[f64]) -> Iterated {
     let (mut epsilon, mut theta_sq, mut gamma_sq, mut eta) = (1.0, 0.0, 1.0, -1.0);
     // In exact arithmetic `unknowns` steps suffice; rounding asks for a multiple.
     let limit = 60 * unknowns + 1000;
-    for iteration in 1..=limit {
+    let (mut iterations, mut converged, mut broken) = (0, false, false);
+    while iterations < limit && !converged && !broken {
+        iterations += 1;
         let unit: Vec<f64> = v.iter().map(|v| v / rho).collect();
         let delta = dot(&unit, &unit);
-        let back = if iteration == 1 { 0.0 } else { rho * delta / epsilon };
+        let back = if iterations == 1 { 0.0 } else { rho * delta / epsilon };
         for (p, v) in p.iter_mut().zip(&unit) {
             *p = v - back * *p;
         }
@@ -57,11 +59,10 @@ pub(crate) fn solve(matrix: &SparseRows, side: &[f64]) -> Iterated {
             residual[index] -= s[index];
         }
         rho = rho_next;
-        if norm(&residual) <= TOLERANCE * start || rho == 0.0 || epsilon <= 0.0 {
-            return Iterated { values: scaled(&x), iterations: iteration, converged: true };
-        }
+        converged = norm(&residual) <= TOLERANCE * start;
+        broken = rho == 0.0 || epsilon <= 0.0;
     }
-    Iterated { values: scaled(&x), iterations: limit, converged: false }
+    Iterated { values: scaled(&x), iterations, converged }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

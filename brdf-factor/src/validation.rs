@@ -3,7 +3,7 @@
 use brdf_model::{FitErrors, SampleSet, log_offsets, measure};
 use rayon::prelude::*;
 
-use crate::{FactorError, FactorParams, FactorSpec, factorize};
+use crate::{FactorError, FactorParams, FactorSpec, Fit, TermSolve, factorize, factorize_terms};
 
 /// How rows are split and multiplied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,10 +44,25 @@ pub fn cross_validate(
                 (0..samples.len()).filter(|i| held_out.binary_search(i).is_err()).collect();
             let training =
                 samples.subset(&rest).replicated(validation.rotations, validation.reciprocal);
-            let fit = factorize(&training, specs, params)?;
+            let fit = match params.terms {
+                TermSolve::All => factorize(&training, specs, params)?,
+                TermSolve::Last(_) => last_term(&training, specs, params)?,
+            };
             let unseen = samples.subset(held_out);
             Ok((measure(&unseen, &fit.model, &log_offsets(&training)), unseen.len()))
         })
         .collect();
     errors.map(|parts| Some(FitErrors::pooled(&parts)))
+}
+
+/// The model with all terms, each added to the ones before as [`TermSolve::Last`] says.
+fn last_term(
+    training: &SampleSet,
+    specs: &[FactorSpec],
+    params: &FactorParams,
+) -> Result<Fit, FactorError> {
+    factorize_terms(training, specs, params)?.pop().ok_or_else(|| FactorError::Factors {
+        found: "no factors".to_owned(),
+        expected: "at least one",
+    })
 }

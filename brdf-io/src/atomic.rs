@@ -6,18 +6,35 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempDir};
 
-use crate::IoError;
+use crate::pictures::PICTURE_MARK;
+use crate::{Format, IoError, MappedFile, detect, direction_table_header};
+
+/// What may be overwritten.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overwrite {
+    /// Files that this project wrote: containers, its pictures, tables with its header.
+    Ours,
+    /// Any file.
+    Anything,
+}
 
 /// Writes a file under a temporary name beside its place, then renames it. Where something that
 /// is no plain file stands there (a pipe, a device), the bytes go straight into it.
 ///
 /// # Errors
 ///
-/// [`IoError::Folder`]; [`IoError::File`]. The old file stays whole.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+/// [`IoError::InTheWay`] for a file that must not be overwritten; [`IoError::Folder`];
+/// [`IoError::File`]. The old file stays whole.
+pub fn write_atomically(path: &Path, bytes: &[u8], overwrite: Overwrite) -> Result<(), IoError> {
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => {
             return Err(IoError::Folder { path: path.to_owned() });
+        }
+        Ok(metadata) if metadata.is_file() => {
+            let content = MappedFile::open(path)?;
+            if overwrite == Overwrite::Ours && !content.is_empty() && !is_ours(&content) {
+                return Err(IoError::InTheWay { path: path.to_owned(), found: "a file" });
+            }
         }
         Ok(metadata) if !metadata.is_file() => {
             return fs::write(path, bytes).map_err(IoError::file(path, "writing"));
@@ -30,6 +47,14 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     make_readable(file.path()).map_err(IoError::file(path, "writing"))?;
     file.persist(path).map_err(|e| IoError::file(path, "renaming to")(e.error))?;
     Ok(())
+}
+
+/// A container, a picture with our mark, or a table with our header.
+fn is_ours(content: &[u8]) -> bool {
+    let is_table = content.starts_with(direction_table_header(false).as_bytes());
+    let is_picture = content.starts_with(b"\x89PNG")
+        && content.windows(PICTURE_MARK.len()).take(4096).any(|w| w == PICTURE_MARK);
+    is_table || is_picture || matches!(detect(content), Ok(Format::Native))
 }
 
 /// The name of the file by which a folder of ours is recognised, and how that file starts.
@@ -55,7 +80,13 @@ impl OutputFolder {
         let mut foreign = Vec::new();
         if let Ok(metadata) = fs::symlink_metadata(place) {
             if !metadata.is_dir() {
-                return Err(IoError::InTheWay { path: place.to_owned(), found: "something" });
+                return Err(IoError::NotAFolder { path: place.to_owned() });
+            }
+            if place
+                .canonicalize()
+                .is_ok_and(|full| std::env::current_dir().is_ok_and(|d| d == full))
+            {
+                return Err(IoError::CurrentFolder { path: place.to_owned() });
             }
             foreign = foreign_entries(place)?;
             if !foreign.is_empty() && !force {
@@ -93,7 +124,7 @@ impl OutputFolder {
         let refused = |action| IoError::file(place, action);
         make_readable(self.temporary.path()).map_err(refused("finishing"))?;
         if !place.exists() {
-            fs::rename(self.temporary.keep(), place).map_err(refused("renaming to"))?;
+            fs::rename(self.temporary.path(), place).map_err(refused("renaming to"))?;
         } else if self.foreign.is_empty() {
             let old = parent(place).join(format!(".brdf-old-{}", std::process::id()));
             fs::rename(place, &old).map_err(refused("moving away"))?;
@@ -103,6 +134,9 @@ impl OutputFolder {
             }
             fs::remove_dir_all(&old).map_err(refused("removing the old"))?;
         } else {
+            for stale in our_entries(place)? {
+                fs::remove_file(&stale).map_err(refused("removing the old"))?;
+            }
             for name in &self.names {
                 fs::rename(self.temporary.path().join(name), place.join(name))
                     .map_err(refused("renaming into"))?;
@@ -112,27 +146,24 @@ impl OutputFolder {
     }
 }
 
-/// The folder holds nothing but what an earlier run of ours left.
-///
-/// # Errors
-///
-/// [`IoError::File`].
-pub fn folder_written_by_us(folder: &Path) -> Result<bool, IoError> {
-    foreign_entries(folder).map(|entries| entries.is_empty())
-}
-
 /// Entries of a folder that we did not write: all of them unless our mark is there.
 fn foreign_entries(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+    entries(folder).map(|(_, foreign)| foreign)
+}
+
+/// Entries of a folder that an earlier run of ours left.
+fn our_entries(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+    entries(folder).map(|(ours, _)| ours)
+}
+
+/// Ours, then foreign ones.
+fn entries(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), IoError> {
     let refused = || IoError::file(folder, "looking into");
     let marked = fs::read_to_string(folder.join(MARK.0)).is_ok_and(|t| t.starts_with(MARK.1));
-    let mut foreign = Vec::new();
-    for entry in fs::read_dir(folder).map_err(refused())? {
-        let path = entry.map_err(refused())?.path();
-        if !marked || !is_our_name(&path) {
-            foreign.push(path);
-        }
-    }
-    Ok(foreign)
+    let all: Result<Vec<PathBuf>, _> =
+        fs::read_dir(folder).map_err(refused())?.map(|entry| entry.map(|e| e.path())).collect();
+    let all = all.map_err(refused())?;
+    Ok(all.into_iter().partition(|path| marked && is_our_name(path)))
 }
 
 fn is_our_name(path: &Path) -> bool {

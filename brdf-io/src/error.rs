@@ -113,6 +113,18 @@ pub enum IoError {
         /// Which one.
         path: PathBuf,
     },
+    /// A file stands where a folder should go.
+    #[error("{}: found a file; expected a folder, or nothing", path.display())]
+    NotAFolder {
+        /// Where.
+        path: PathBuf,
+    },
+    /// The output folder is the one that the program runs in, which cannot be replaced whole.
+    #[error("{}: this is the current folder; name a new one, such as ./out", path.display())]
+    CurrentFolder {
+        /// Where.
+        path: PathBuf,
+    },
     /// Something stands where output should go.
     #[error(
         "{}: found {found} that brdf did not write; choose another place or pass --force",

@@ -23,7 +23,7 @@ mod table;
 mod utia;
 
 pub use alta::read_alta;
-pub use atomic::{OutputFolder, folder_written_by_us, write_atomically};
+pub use atomic::{OutputFolder, Overwrite, write_atomically};
 pub use container::{
     Contained, FitRecord, FitSettings, ModelFile, TermRecord, model_to_bytes, read_container,
     record_of, samples_to_bytes, table_to_bytes,
@@ -35,7 +35,7 @@ pub use exr_image::write_exr;
 pub use mapped::MappedFile;
 pub use measurement::{Measured, Measurement, ReadOptions, open_measurement, parse_measurement};
 pub use merl::{merl_to_bytes, read_merl};
-pub use pictures::{png_bytes, read_environment};
+pub use pictures::{parse_environment, png_bytes, read_environment};
 pub use projections::{ProjectionFile, read_projections};
 pub use rgl::read_rgl;
 pub use spectrum::SpectrumToRgb;

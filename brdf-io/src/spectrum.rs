@@ -45,17 +45,16 @@ impl SpectrumToRgb {
     ///
     /// A colour whose smallest channel lies below 1 % of its luminance moves towards the grey of the
     /// same luminance until it does not: a channel cut to 0 would be a fit in logarithms' largest
-    /// outlier. A luminance of 0 or less gives black.
+    /// outlier. A colour without positive luminance stays as it is.
     pub fn rgb_in_gamut(&self, spectrum: &[f64]) -> (Rgb, bool) {
         const FLOOR: f64 = 0.01;
         let colour = self.rgb(spectrum);
         let luminance = colour.luminance();
         let [r, g, b] = colour.channels();
         let smallest = r.min(g).min(b);
-        if luminance <= 0.0 {
-            return (Rgb::BLACK, smallest < 0.0);
-        }
-        if smallest >= FLOOR * luminance {
+        // Written so that what is not finite stays as it is, too.
+        let outside = luminance > 0.0 && smallest < FLOOR * luminance;
+        if !outside {
             return (colour, false);
         }
         let saturation = (1.0 - FLOOR) * luminance / (luminance - smallest);

@@ -234,8 +234,9 @@ impl AngleColumns {
                     line: table.header_line,
                     found: format!("columns {}", table.header.join(", ")),
                     expected: format!(
-                        "one named {name}_deg or {name}_rad; names without a unit are not guessed, \
-                         say what they mean with --columns {name}_deg=NAME,…,value=NAME"
+                        "one named {name}_deg or {name}_rad; names without a unit are not guessed \
+                         (for measured files, --columns {name}_deg=NAME,…,value=NAME says what they \
+                         mean)"
                     ),
                 })
         };
@@ -301,10 +302,13 @@ pub fn read_table(
     let mut samples = SampleSet::new(channels);
     for (line, content) in table.rows() {
         let fields = split(content);
-        if let Some((index, wavelength)) = chosen
-            && (number(&fields, index, line)? - wavelength).abs() > 1e-9
-        {
-            continue;
+        if let Some((index, wavelength)) = chosen {
+            let difference = (number(&fields, index, line)? - wavelength).abs();
+            // Written so that a NaN wavelength is another wavelength.
+            let same = difference <= 1e-9;
+            if !same {
+                continue;
+            }
         }
         let pair = angles.pair(&fields, line)?;
         let row: Result<Vec<f64>, FormatError> =
@@ -356,6 +360,13 @@ pub fn direction_rows(text: &str) -> Result<Vec<(DirectionPair, String)>, Format
         .map(|(line, content)| {
             let fields = split(content);
             let pair = angles.pair(&fields, line)?;
+            if !(pair.wi.is_finite() && pair.wo.is_finite()) {
+                return Err(FormatError::Line {
+                    line,
+                    found: quoted(content),
+                    expected: "finite angles".to_owned(),
+                });
+            }
             let shown = angles.0.map(|(unit, index)| match unit {
                 AngleUnit::Degrees => fields[index].to_owned(),
                 AngleUnit::Radians => {

@@ -29,6 +29,9 @@ pub struct FitErrors {
     pub log: ErrorMeasures,
     /// Of linear residuals, sr⁻¹ (mean square: sr⁻²).
     pub linear: ErrorMeasures,
+    /// Log residuals for which a + f̂ was not positive and f̂ = 0 stood in.
+    #[serde(default)]
+    pub without_logarithm: usize,
 }
 
 impl FitErrors {
@@ -47,7 +50,8 @@ impl FitErrors {
                 }
             })
         };
-        Self { log: pool(|e| e.log), linear: pool(|e| e.linear) }
+        let without_logarithm = parts.iter().map(|(errors, _)| errors.without_logarithm).sum();
+        Self { log: pool(|e| e.log), linear: pool(|e| e.linear), without_logarithm }
     }
 }
 
@@ -59,8 +63,8 @@ pub fn log_offsets(samples: &SampleSet) -> Vec<f64> {
 
 /// The errors of a model over a set of samples, with the given log offset per channel.
 ///
-/// Where a + f̂ ≤ 0, which a model can only reach by going negative, f̂ = 0 stands in. A set of one
-/// channel is compared with the model's luminance.
+/// Where a + f̂ ≤ 0, which a model can only reach by going negative, f̂ = 0 stands in and is counted.
+/// A set of one channel is compared with the model's luminance.
 pub fn measure(samples: &SampleSet, model: &dyn Brdf, offsets: &[f64]) -> FitErrors {
     let mut sums = vec![FitErrors::default(); offsets.len()];
     for (index, pair) in samples.pairs().enumerate() {
@@ -72,7 +76,9 @@ pub fn measure(samples: &SampleSet, model: &dyn Brdf, offsets: &[f64]) -> FitErr
         for (channel, sum) in sums.iter_mut().enumerate() {
             let (f, a) = (samples.values()[channel][index], offsets[channel]);
             let approximation = channels[channel];
-            let shifted = if a + approximation > 0.0 { a + approximation } else { a };
+            let has_logarithm = a + approximation > 0.0;
+            let shifted = if has_logarithm { a + approximation } else { a };
+            sum.without_logarithm += usize::from(!has_logarithm);
             sum.log.add(shifted.ln() - (a + f).ln());
             sum.linear.add(approximation.max(0.0) - f);
         }
@@ -97,7 +103,11 @@ fn mean_over(sums: &[FitErrors], count: usize) -> FitErrors {
         mean_square: sums.iter().map(|s| pick(s).mean_square).sum::<f64>() / terms,
         max: sums.iter().map(|s| pick(s).max).fold(0.0, f64::max),
     };
-    FitErrors { log: reduce(|s| s.log), linear: reduce(|s| s.linear) }
+    FitErrors {
+        log: reduce(|s| s.log),
+        linear: reduce(|s| s.linear),
+        without_logarithm: sums.iter().map(|s| s.without_logarithm).sum(),
+    }
 }
 
 /// Pairs behind [`cosine_rms`]: as many as Wang, Tran and Luebke 2004, section 4.3.
@@ -110,7 +120,7 @@ pub struct CosineRms {
     pub absolute: f64,
     /// The same divided by √(Σ cosθi f² / N).
     pub relative: f64,
-    /// Pairs that the reference has no data for; they are left out of N.
+    /// Pairs that the reference or the model has no data for; they are left out of N.
     pub without_data: usize,
 }
 
@@ -137,7 +147,7 @@ pub fn cosine_rms(
         let wi = uniform_hemisphere(uniform(), uniform());
         let wo = uniform_hemisphere(uniform(), uniform());
         let pair = DirectionPair::new(wi, wo);
-        if !reference.covers(&pair) {
+        if !reference.covers(&pair) || !model.covers(&pair) {
             without_data += 1;
             continue;
         }

@@ -93,8 +93,13 @@ impl SampleSet {
     }
 
     /// Adds a sample whose negative channels become 0, as colours outside the gamut have them, and
-    /// counts it where that was needed. A set of one channel takes the luminance.
+    /// counts it where that was needed. A set of one channel takes the luminance, which is positive
+    /// for most of those colours.
     pub fn push_clamped(&mut self, pair: &DirectionPair, value: Rgb) {
+        let value = match self.channels() {
+            Channels::Rgb => value,
+            Channels::Luminance => Rgb::splat(value.luminance()),
+        };
         self.clamped += usize::from(value.channels().iter().any(|&v| v < 0.0));
         self.push_rgb(pair, value.map(|v| if v < 0.0 { 0.0 } else { v }));
     }
@@ -165,11 +170,12 @@ impl SampleSet {
     }
 
     /// The samples whose channels are all positive, for logarithms without an offset; the others
-    /// are counted.
+    /// are counted. A channel that is zero everywhere has no say.
     pub fn positive(&self) -> Self {
-        let keep: Vec<usize> = (0..self.len())
-            .filter(|&i| self.values.iter().all(|channel| channel[i] > 0.0))
-            .collect();
+        let lit: Vec<&Vec<f64>> =
+            self.values.iter().filter(|channel| channel.iter().any(|&v| v > 0.0)).collect();
+        let keep: Vec<usize> =
+            (0..self.len()).filter(|&i| lit.iter().all(|channel| channel[i] > 0.0)).collect();
         let mut kept = self.subset(&keep);
         kept.dropped = self.dropped;
         kept.clamped = self.clamped;
@@ -209,6 +215,30 @@ impl SampleSet {
         #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
         let count = self.len().max(1) as f64;
         self.values.iter().map(|channel| channel.iter().sum::<f64>() / count).collect()
+    }
+
+    /// The samples that a model has data for; the others are counted.
+    pub fn covered_by(&self, model: &dyn Brdf) -> Self {
+        let keep: Vec<usize> = (0..self.len()).filter(|&i| model.covers(&self.pair(i))).collect();
+        let mut kept = Self { dropped: self.dropped, clamped: self.clamped, ..self.subset(&keep) };
+        kept.dropped.no_data += self.len() - keep.len();
+        kept
+    }
+
+    /// At most `count` of the samples, evenly spread over their order; what was dropped before
+    /// stays counted.
+    pub fn thinned(&self, count: usize) -> Self {
+        let count = count.min(self.len());
+        let keep: Vec<usize> = (0..count).map(|i| i * self.len() / count.max(1)).collect();
+        Self { dropped: self.dropped, clamped: self.clamped, ..self.subset(&keep) }
+    }
+
+    /// The light comes from one azimuth throughout, to 0.1°, so that the samples cannot tell whether
+    /// the material is anisotropic. Directions at the pole have no azimuth.
+    pub fn has_one_light_azimuth(&self) -> bool {
+        let azimuths = || self.wi.iter().filter_map(|wi| wi.truncate().try_normalize());
+        let first = azimuths().next();
+        first.is_none_or(|first| azimuths().all(|other| first.perp_dot(other).abs() < 2e-3))
     }
 
     /// The samples at these indices; the counts of what was dropped do not come along.

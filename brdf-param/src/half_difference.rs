@@ -62,7 +62,8 @@ impl HalfDifference {
 
     /// The angles are in range and both directions lie above the horizon, to rounding.
     pub fn is_in_domain(&self) -> bool {
-        let quarter_turn = 0.0..=FRAC_PI_2;
+        // The difference vector of opposite directions may pass the quarter turn by rounding.
+        let quarter_turn = 0.0..=FRAC_PI_2 + 1e-12;
         quarter_turn.contains(&self.theta_h)
             && quarter_turn.contains(&self.theta_d)
             && self.to_pair().reaches_horizon()

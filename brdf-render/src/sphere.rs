@@ -28,6 +28,8 @@ impl Default for SphereView {
 
 /// Radius of the sphere in half frames.
 const RADIUS: f64 = 0.96;
+/// Share of a pixel's light samples without data above which the pixel has none.
+const MOST_UNKNOWN: f64 = 0.1;
 /// Points along each side of a pixel under a directional light.
 const SUPERSAMPLING: u32 = 3;
 
@@ -152,7 +154,9 @@ fn lit_by(
     scratch.pairs.clear();
     scratch.weights.clear();
     let mut uncovered = 0_u32;
-    for index in 0..view.samples.max(1) {
+    // The density below is that of equal thirds.
+    let samples = view.samples.max(1).next_multiple_of(3);
+    for index in 0..samples {
         let [u, v, ..] = sobol.point(index);
         let wi = match index % 3 {
             0 => frame.to_local(environment.sample(u, v)),
@@ -174,13 +178,14 @@ fn lit_by(
             }
         }
     }
-    if uncovered as usize > scratch.weights.len() {
+    // Unknown directions count as dark. Where that could show, the pixel is unknown too.
+    if f64::from(uncovered) > MOST_UNKNOWN * f64::from(samples) {
         return Pixel::NoData;
     }
     brdf.eval_batch(&scratch.pairs, &mut scratch.values);
     let sum: Rgb =
         scratch.weights.iter().enumerate().map(|(i, &w)| scratch.values.get(i) * w).sum();
-    Pixel::Radiance(sum / f64::from(view.samples.max(1)), cover)
+    Pixel::Radiance(sum / f64::from(samples), cover)
 }
 
 /// Share of a pixel that the sphere covers, from its distance to the rim.

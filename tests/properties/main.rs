@@ -1,5 +1,11 @@
 //! Properties that hold across crates, over random and deliberately degenerate directions.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
 mod errata;
 mod factors;
 mod models;

@@ -54,8 +54,12 @@ proptest! {
             let coordinates = parametrization.forward(&pair);
             let back = parametrization.inverse(coordinates);
             let allowed = tolerance(parametrization, &pair);
-            prop_assert!(back.is_some(), "{parametrization:?} lost {pair:?} at {coordinates:?}");
-            let back = back.unwrap_or(pair);
+            let Some(back) = back else {
+                // Where directions return with a larger error, one on the horizon may sink below it.
+                let lowest = pair.wi.z.min(pair.wo.z);
+                prop_assert!(lowest < allowed && allowed > 1e-12, "{parametrization:?} lost {pair:?}");
+                continue;
+            };
             let off = back.wi.distance(pair.wi).max(back.wo.distance(pair.wo));
             prop_assert!(off < allowed, "{parametrization:?}: off by {off} at {pair:?}");
         }
@@ -66,8 +70,9 @@ proptest! {
         for parametrization in Parametrization::ALL {
             let swapped = parametrization.reciprocal(parametrization.forward(&pair));
             let Some(back) = parametrization.inverse(swapped) else {
-                // A rounding error may carry a pair on the horizon below it.
-                prop_assert!(pair.wi.z.min(pair.wo.z) < 1e-6, "{parametrization:?} lost {pair:?}");
+                let lowest = pair.wi.z.min(pair.wo.z);
+                let allowed = tolerance(parametrization, &pair).max(1e-6);
+                prop_assert!(lowest < allowed, "{parametrization:?} lost {pair:?}");
                 continue;
             };
             let off = back.wi.distance(pair.wo).max(back.wo.distance(pair.wi));
@@ -128,7 +133,7 @@ fn solid_angle_densities_integrate_to_the_hemisphere() {
         let (mut solid_angle, mut cosine, mut area) = (0.0, 0.0, 0.0);
         for i in 0..STEPS {
             for j in 0..STEPS {
-                let point = glam::DVec2::new(at(i, low.0, high.0), at(j, low.1, high.1));
+                let point = DVec2::new(at(i, low.0, high.0), at(j, low.1, high.1));
                 if let Some(w) = map.decode(point) {
                     let density = map.solid_angle_density(point) * cell;
                     solid_angle += density;

@@ -41,6 +41,7 @@ fn model_file() -> ModelFile {
 }
 
 /// A small anisotropic tensor file, as RGL's layout describes it.
+#[expect(clippy::cast_possible_truncation, reason = "a handful of short names")]
 fn tensor_file(phi_i: &[f32]) -> Vec<u8> {
     let theta_i = [0.0_f32, 0.8, 1.5];
     let ramp = |n: usize| -> Vec<f32> { (0..n).map(|i| 1.0 + (i % 7) as f32).collect() };

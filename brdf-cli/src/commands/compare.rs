@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_model::{
-    CosineRms, ErrorMeasures, PairSampling, SampleSet, cosine_rms, log_offsets, measure,
+    CosineRms, Dropped, ErrorMeasures, PairSampling, SampleSet, cosine_rms, log_offsets, measure,
 };
 use serde::Serialize;
 
@@ -56,6 +56,9 @@ struct Comparison {
     reference: String,
     /// Pairs that were compared.
     samples: usize,
+    dropped: Dropped,
+    /// Samples of the reference with a negative channel that was set to 0.
+    clamped: usize,
     seed: u64,
     results: Vec<Row>,
 }
@@ -64,13 +67,17 @@ struct Comparison {
 struct Row {
     model: String,
     bytes: usize,
+    /// Pairs that the model has no data for; they are left out of its errors.
+    without_data: usize,
+    /// Log residuals for which a + f̂ was not positive and f̂ = 0 stood in.
+    without_logarithm: usize,
     log: ErrorMeasures,
     linear: ErrorMeasures,
     /// sr⁻¹; null where the reference cannot be evaluated everywhere.
     cosine_rms: Option<f64>,
     /// The same over the reference's own cosine-weighted RMS.
     cosine_rms_relative: Option<f64>,
-    /// Pairs of the cosine-weighted RMS for which the reference has no data.
+    /// Pairs of the cosine-weighted RMS for which the reference or the model has no data.
     cosine_rms_without_data: Option<usize>,
 }
 
@@ -108,7 +115,8 @@ impl Compare {
             .iter()
             .map(|model| {
                 progress.step(format!("comparing {}", model.short_name()));
-                let errors = measure(&samples, model.brdf(), &offsets);
+                let shared = samples.covered_by(model.brdf());
+                let errors = measure(&shared, model.brdf(), &offsets);
                 let rms: Option<CosineRms> = reference
                     .samples()
                     .is_none()
@@ -117,6 +125,8 @@ impl Compare {
                 Row {
                     model: model.argument.clone(),
                     bytes: model.bytes(),
+                    without_data: samples.len() - shared.len(),
+                    without_logarithm: errors.without_logarithm,
                     log: errors.log,
                     linear: errors.linear,
                     cosine_rms: rms.map(|r| r.absolute),
@@ -129,6 +139,8 @@ impl Compare {
         let comparison = Comparison {
             reference: self.reference,
             samples: samples.len(),
+            dropped: samples.dropped(),
+            clamped: samples.clamped(),
             seed: self.seed,
             results,
         };
@@ -139,6 +151,13 @@ impl Compare {
         }
         if samples.dropped().total() > 0 {
             writeln!(std::io::stderr(), "dropped: {}", samples.dropped())?;
+        }
+        if samples.clamped() > 0 {
+            writeln!(
+                std::io::stderr(),
+                "{} samples of the reference with a negative channel set to 0",
+                samples.clamped()
+            )?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -175,6 +194,9 @@ impl Comparison {
                 significant(row.linear.max),
                 row.cosine_rms.map_or_else(|| "–".to_owned(), significant),
             )?;
+            if row.without_data > 0 {
+                writeln!(out, "{:width$}  {} pairs without data left out", "", row.without_data)?;
+            }
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use brdf_io::{
 };
 use brdf_model::{Channels, MerlTable, PairSampling, SampleSet};
 
-use crate::args::ReadArgs;
+use crate::args::{ForceArgs, ReadArgs};
 use crate::subject::Subject;
 
 /// Write a material in another format: .binary (MERL), .csv or .safetensors
@@ -35,6 +35,9 @@ pub(super) struct Convert {
     samples: u32,
 
     #[command(flatten)]
+    force: ForceArgs,
+
+    #[command(flatten)]
     read: ReadArgs,
 }
 
@@ -55,7 +58,7 @@ impl Convert {
         };
         let subject = Subject::open(&self.input, &self.read.options())?;
         let (bytes, said) = encode(&self, &subject)?;
-        write_atomically(&self.output, &bytes)?;
+        write_atomically(&self.output, &bytes, self.force.overwrite())?;
         for note in subject.notes() {
             writeln!(std::io::stderr(), "{note}")?;
         }
@@ -80,13 +83,19 @@ impl Convert {
                 (SampleSet::draw(subject.brdf(), &sampling, channels), "pairs drawn within 80°")
             }
         };
-        let said = format!("{} {how}; dropped: {}", samples.len(), samples.dropped());
+        let said = format!(
+            "{} {how}; dropped: {}; {} with a negative channel set to 0",
+            samples.len(),
+            samples.dropped(),
+            samples.clamped()
+        );
         Ok((samples_to_csv(&samples).into_bytes(), said))
     }
 
     fn container(&self, subject: &Subject) -> anyhow::Result<(Vec<u8>, String)> {
         if let Some(rows) = subject.samples() {
-            return Ok((samples_to_bytes(rows)?, format!("{} measured rows", rows.len())));
+            let said = format!("{} measured rows; dropped: {}", rows.len(), rows.dropped());
+            return Ok((samples_to_bytes(rows)?, said));
         }
         if let Some(Measured::Model(file)) = subject.measurement().map(|m| &m.measured) {
             return Ok((model_to_bytes(file)?, "the model, unchanged".to_owned()));
@@ -107,6 +116,13 @@ fn merl_grid(subject: &Subject) -> anyhow::Result<(MerlTable, String)> {
     if let Some(Measured::Merl(table)) = subject.measurement().map(|m| &m.measured) {
         return Ok((table.clone(), "the table, cell by cell".to_owned()));
     }
-    let how = "evaluated at the cell centres of MERL's grid and made reciprocal".to_owned();
+    let mut how =
+        "evaluated at the cell centres of MERL's grid, with negative values set to 0, and made \
+                   reciprocal"
+            .to_owned();
+    if let Some(Measured::Model(file)) = subject.measurement().map(|m| &m.measured) {
+        let limit = file.model.theta_max().to_degrees();
+        how.push_str(&format!("; beyond {limit:.2}° the model holds its value there"));
+    }
     Ok((MerlTable::tabulate(subject.brdf()), how))
 }

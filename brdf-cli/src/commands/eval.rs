@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use brdf_io::{IoError, MappedFile, direction_rows, direction_table_header, write_atomically};
 
-use crate::args::{ReadArgs, is_standard_output};
+use crate::args::{ForceArgs, ReadArgs, is_standard_output};
 use crate::subject::Subject;
 
 /// Evaluate a material at given directions
@@ -28,6 +28,9 @@ pub(super) struct Eval {
     /// Output file; - or nothing for standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    #[command(flatten)]
+    force: ForceArgs,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -53,7 +56,11 @@ impl Eval {
         }
         match self.output.as_deref() {
             path if is_standard_output(path) => out.write_all(table.as_bytes())?,
-            path => write_atomically(path.unwrap_or(Path::new("-")), table.as_bytes())?,
+            path => write_atomically(
+                path.unwrap_or(Path::new("-")),
+                table.as_bytes(),
+                self.force.overwrite(),
+            )?,
         }
         if below + without_data > 0 {
             writeln!(
@@ -61,14 +68,24 @@ impl Eval {
                 "{below} rows below the horizon (0), {without_data} without data (NaN)"
             )?;
         }
+        if subject.samples().is_some() {
+            writeln!(
+                std::io::stderr(),
+                "{}: scattered samples; values are interpolated between the nearest ones",
+                subject.argument
+            )?;
+        }
         if let Some(brdf_io::Measured::Model(file)) = subject.measurement().map(|m| &m.measured) {
             let counts = file.model.count(rows.iter().map(|(pair, _)| *pair));
-            if counts.pulled_back > 0 {
+            if counts != brdf_factor::EvalCounts::default() {
                 writeln!(
                     std::io::stderr(),
-                    "{} rows beyond the model's grazing limit of {:.4}°, pulled back to it",
+                    "{} rows beyond the model's grazing limit of {:.4}°, pulled back to it; {} moved \
+                     to the rim of a texture; {} negative values set to 0",
                     counts.pulled_back,
-                    file.model.theta_max().to_degrees()
+                    file.model.theta_max().to_degrees(),
+                    counts.outside_texture,
+                    counts.clamped_below_zero
                 )?;
             }
         }

@@ -10,7 +10,7 @@ use brdf_io::{
     FitRecord, FitSettings, IoError, MappedFile, ModelFile, OutputFolder, ProjectionFile,
     model_to_bytes, read_projections, write_exr,
 };
-use brdf_model::Channels;
+use brdf_model::{Channels, SampleSet};
 use brdf_param::{Bound, Space};
 use brdf_render::{DirectionalLight, Light, SphereView, texture_view};
 use clap::ValueEnum;
@@ -82,7 +82,8 @@ pub(super) struct Factor {
     reciprocal: Switch,
 
     /// Copies of each sample, turned about the normal in equal steps: what isotropic materials are
-    /// known to do [default: 32 for scattered rows, else 1; 1 for --method radial]
+    /// known to do [default: 32 for scattered rows lit from one azimuth, else 1; 1 for --method
+    /// radial]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=360))]
     replicate: Option<u32>,
 
@@ -272,7 +273,7 @@ impl Factor {
         let replicate = match (self.replicate, self.method) {
             (Some(copies), _) => copies,
             (None, MethodArg::Radial) => 1,
-            (None, _) if subject.samples().is_some() => 32,
+            (None, _) if subject.samples().is_some_and(SampleSet::has_one_light_azimuth) => 32,
             (None, _) => 1,
         };
         FitSettings {
@@ -317,7 +318,8 @@ impl Factor {
         if clamped > 0 {
             notes.push(format!(
                 "{clamped} samples had a negative channel, a colour outside the gamut; it was set \
-                 to 0, which log errors count heavily (--luminance avoids it)"
+                 to 0, which log errors count heavily{}",
+                if channels == Channels::Rgb { " (--luminance avoids most of it)" } else { "" }
             ));
         }
         if let Some(rows) = subject.samples() {
@@ -330,19 +332,19 @@ impl Factor {
 }
 
 /// What scattered rows were turned into, and what they cannot tell.
-fn scattered_notes(
-    rows: &brdf_model::SampleSet,
-    outcome: &Outcome,
-    settings: &FitSettings,
-) -> Vec<String> {
+fn scattered_notes(rows: &SampleSet, outcome: &Outcome, settings: &FitSettings) -> Vec<String> {
     let mut notes = vec![if settings.replicate > 1 {
         format!(
             "the material was taken to be isotropic: every row was fitted {} times, turned about \
              the normal",
             settings.replicate
         )
-    } else {
+    } else if rows.has_one_light_azimuth() {
         "rows were fitted as measured, without turned copies".to_owned()
+    } else {
+        "light comes from several azimuths, so the material was not taken to be isotropic: rows were \
+         fitted as measured (--replicate 32 adds turned copies)"
+            .to_owned()
     }];
     if settings.reciprocal {
         notes.push(

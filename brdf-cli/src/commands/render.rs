@@ -8,7 +8,7 @@ use brdf_io::write_atomically;
 use brdf_model::Brdf;
 use brdf_render::SphereView;
 
-use crate::args::{LightArgs, ReadArgs, positive};
+use crate::args::{ForceArgs, LightArgs, ReadArgs, positive};
 use crate::pictures::{light, line_up, png};
 use crate::progress::Progress;
 use crate::subject::Subject;
@@ -47,6 +47,9 @@ pub(super) struct Render {
     exposure: Option<f64>,
 
     #[command(flatten)]
+    force: ForceArgs,
+
+    #[command(flatten)]
     read: ReadArgs,
 }
 
@@ -66,7 +69,7 @@ impl Render {
         progress.step("rendering");
         let picture = line_up(&materials, &light, &view, self.exposure);
         drop(progress);
-        write_atomically(&self.output, &png(&picture)?)?;
+        write_atomically(&self.output, &png(&picture)?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
     }

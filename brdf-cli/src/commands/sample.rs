@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use brdf_io::{samples_to_csv, write_atomically};
 use brdf_model::{PairSampling, SampleSet};
 
-use crate::args::{PairArgs, ReadArgs, is_standard_output};
+use crate::args::{ForceArgs, PairArgs, ReadArgs, is_standard_output};
 use crate::subject::Subject;
 
 /// Draw direction pairs and write them with their values
@@ -24,9 +24,9 @@ pub(super) struct Sample {
     /// Material to draw from
     model: String,
 
-    /// Number of pairs
-    #[arg(short = 'n', long = "samples", default_value_t = 45_000, value_parser = clap::value_parser!(u32).range(1..))]
-    samples: u32,
+    /// Number of pairs [default: 45000, or all rows of a scattered measurement]
+    #[arg(short = 'n', long = "samples", value_parser = clap::value_parser!(u32).range(1..))]
+    samples: Option<u32>,
 
     /// Which scramble of the sequence
     #[arg(long, default_value_t = 1)]
@@ -40,6 +40,9 @@ pub(super) struct Sample {
     output: Option<PathBuf>,
 
     #[command(flatten)]
+    force: ForceArgs,
+
+    #[command(flatten)]
     read: ReadArgs,
 }
 
@@ -51,14 +54,15 @@ impl Sample {
             Some(rows) => {
                 let rows = if self.pairs.luminance { rows.to_luminance() } else { rows.clone() };
                 let rows = rows.within(self.pairs.theta_max());
-                let wanted = self.samples as usize;
-                let count = rows.len().min(wanted);
-                rows.subset(&(0..count).map(|i| i * rows.len() / count.max(1)).collect::<Vec<_>>())
+                match self.samples {
+                    Some(count) => rows.thinned(count as usize),
+                    None => rows,
+                }
             }
             None => SampleSet::draw(
                 subject.brdf(),
                 &PairSampling {
-                    count: self.samples,
+                    count: self.samples.unwrap_or(45_000),
                     seed: self.seed,
                     theta_max: self.pairs.theta_max(),
                 },
@@ -68,7 +72,11 @@ impl Sample {
         let table = samples_to_csv(&samples);
         match self.output.as_deref() {
             path if is_standard_output(path) => out.write_all(table.as_bytes())?,
-            path => write_atomically(path.unwrap_or(Path::new("-")), table.as_bytes())?,
+            path => write_atomically(
+                path.unwrap_or(Path::new("-")),
+                table.as_bytes(),
+                self.force.overwrite(),
+            )?,
         }
         let mut said = format!("{} pairs", samples.len());
         if samples.dropped().total() > 0 {

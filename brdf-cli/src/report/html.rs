@@ -214,6 +214,6 @@ fn command() -> String {
             format!("'{}'", word.replace('\'', "'\\''"))
         }
     };
-    let words = std::env::args().skip(1).map(quoted);
+    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
     std::iter::once("brdf".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }

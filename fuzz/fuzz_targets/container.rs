@@ -1,0 +1,6 @@
+//! Our own containers.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = brdf_io::read_container(data, brdf_model::MerlLookup::Nearest);
+});

@@ -1,0 +1,6 @@
+//! Any bytes, whatever format they are taken for.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = brdf_io::parse_measurement(data, &brdf_io::ReadOptions::default());
+});

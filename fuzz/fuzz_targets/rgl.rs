@@ -1,0 +1,6 @@
+//! RGL tensor files.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = brdf_io::read_rgl(data);
+});

@@ -1,0 +1,6 @@
+//! UTIA tables.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = brdf_io::read_utia(data);
+});
