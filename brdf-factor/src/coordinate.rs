@@ -4,7 +4,7 @@ use brdf_param::{
     Bound, DirectionPair, DiscRadii, HemisphereMap, KautzMcCool, Projection, ScaledProjection,
     Space,
 };
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// A map from direction pairs to texture coordinates, before scaling.
@@ -110,20 +110,33 @@ impl Coordinate {
         }
     }
 
+    /// The largest radii that pairs give this coordinate.
+    pub(crate) fn largest_radii(&self, pairs: impl Iterator<Item = DirectionPair>) -> DiscRadii {
+        let direction: fn(&DirectionPair) -> DVec3 = match self {
+            Self::Wi => |pair| pair.wi,
+            Self::Wo => |pair| pair.wo,
+            Self::H => DirectionPair::half,
+            _ => {
+                let none = DiscRadii { first: 0.0, second: 0.0 };
+                return pairs.fold(none, |largest, pair| largest.max(self.radii(&pair)));
+            }
+        };
+        // The farthest from the normal is the lowest.
+        let lowest = pairs
+            .map(|pair| direction(&pair))
+            .fold(DVec3::Z, |low, w| if w.z < low.z { w } else { low });
+        let radius = HemisphereMap::Parabolic.encode(lowest).length();
+        DiscRadii { first: radius, second: radius }
+    }
+
     /// The radii that a pair contributes to the domain of this coordinate.
-    pub(crate) fn radii(&self, pair: &DirectionPair) -> DiscRadii {
-        let parabolic = |w| HemisphereMap::Parabolic.encode(w).length();
+    fn radii(&self, pair: &DirectionPair) -> DiscRadii {
         let both = |radius| DiscRadii { first: radius, second: radius };
         match self.reading() {
             Reading::Radial(radial) => both(radial.value(pair)),
-            Reading::Planar(Plane { fixed: Some(half), space, .. }) => both(match (space, half) {
-                (Space::Standard, HalfOfSpace::First) => parabolic(pair.wi),
-                (Space::Standard, HalfOfSpace::Second) => parabolic(pair.wo),
-                (Space::HalfDifference, HalfOfSpace::First) => parabolic(pair.half()),
-                (Space::HalfDifference, HalfOfSpace::Second) => {
-                    KautzMcCool::from_pair(pair).d.length()
-                }
-            }),
+            Reading::Planar(plane @ Plane { fixed: Some(half), .. }) => {
+                both(plane.half_point(half, pair).length())
+            }
             Reading::Planar(Plane { fixed: None, space, .. }) => {
                 let at = space.coordinates(pair);
                 DiscRadii { first: at.first.length(), second: at.second.length() }
@@ -171,21 +184,23 @@ impl Coordinate {
                 let scaled: ScaledProjection = projection.scaled_by(extent);
                 scaled.apply(space.coordinates(pair))
             }
-            Reading::Planar(Plane { fixed: Some(half), space, .. }) => {
-                let point = match (space, half) {
-                    (Space::Standard, HalfOfSpace::First) => {
-                        HemisphereMap::Parabolic.encode(pair.wi)
-                    }
-                    (Space::Standard, HalfOfSpace::Second) => {
-                        HemisphereMap::Parabolic.encode(pair.wo)
-                    }
-                    (Space::HalfDifference, HalfOfSpace::First) => {
-                        HemisphereMap::Parabolic.encode(pair.half())
-                    }
-                    (Space::HalfDifference, HalfOfSpace::Second) => KautzMcCool::from_pair(pair).d,
-                };
-                point / extent
+            Reading::Planar(plane @ Plane { fixed: Some(half), .. }) => {
+                plane.half_point(half, pair) / extent
             }
+        }
+    }
+}
+
+impl Plane {
+    /// One half of the coordinates in this plane's space, without computing the other.
+    fn half_point(&self, half: HalfOfSpace, pair: &DirectionPair) -> DVec2 {
+        match (self.space, half) {
+            (Space::Standard, HalfOfSpace::First) => HemisphereMap::Parabolic.encode(pair.wi),
+            (Space::Standard, HalfOfSpace::Second) => HemisphereMap::Parabolic.encode(pair.wo),
+            (Space::HalfDifference, HalfOfSpace::First) => {
+                HemisphereMap::Parabolic.encode(pair.half())
+            }
+            (Space::HalfDifference, HalfOfSpace::Second) => KautzMcCool::from_pair(pair).d,
         }
     }
 }

@@ -198,10 +198,8 @@ impl<'a> Problem<'a> {
     fn empty_factors(&self, specs: &[FactorSpec]) -> Result<Vec<Factor>, FactorError> {
         let radii_of = |spec: &FactorSpec| {
             let mut largest = DiscRadii { first: 1e-6, second: 1e-6 };
-            for pair in self.samples.pairs() {
-                for coordinate in &spec.coordinates {
-                    largest = largest.max(coordinate.radii(&pair));
-                }
+            for coordinate in &spec.coordinates {
+                largest = largest.max(coordinate.largest_radii(self.samples.pairs()));
             }
             DiscRadii {
                 first: RADIUS_MARGIN * largest.first,

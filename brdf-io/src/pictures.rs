@@ -4,7 +4,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use brdf_render::{DisplayImage, Environment};
-use image::{ImageFormat, ImageReader, Limits};
+use image::codecs::hdr::HdrDecoder;
+use image::{DynamicImage, ImageDecoder as _, Limits};
 
 use crate::{FormatError, IoError, MappedFile};
 
@@ -82,13 +83,17 @@ fn check_size(bytes: &[u8]) -> Result<(), FormatError> {
 pub fn parse_environment(bytes: &[u8]) -> Result<Environment, FormatError> {
     let library = |problem: String| FormatError::Library { what: "Radiance HDR", problem };
     check_size(bytes)?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Hdr);
+    // Not strict: many files start with #?RGBE instead of #?RADIANCE.
+    let mut decoder = HdrDecoder::with_strictness(Cursor::new(bytes), false)
+        .map_err(|error| library(error.to_string()))?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_ENVIRONMENT_SIDE);
     limits.max_image_height = Some(MAX_ENVIRONMENT_SIDE);
     limits.max_alloc = Some(MAX_ENVIRONMENT_BYTES);
-    reader.limits(limits);
-    let image = reader.decode().map_err(|error| library(error.to_string()))?.into_rgb32f();
+    decoder.set_limits(limits).map_err(|error| library(error.to_string()))?;
+    let image = DynamicImage::from_decoder(decoder)
+        .map_err(|error| library(error.to_string()))?
+        .into_rgb32f();
     let (width, height) = (image.width() as usize, image.height() as usize);
     let texels = image.pixels().map(|pixel| pixel.0).collect();
     Environment::new(width, height, texels).map_err(|error| library(error.to_string()))

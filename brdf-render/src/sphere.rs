@@ -28,7 +28,7 @@ impl Default for SphereView {
 
 /// Radius of the sphere in half frames.
 const RADIUS: f64 = 0.96;
-/// Share of a pixel's light samples without data above which the pixel has none.
+/// Share of the light on a pixel from directions without data above which the pixel has none.
 const MOST_UNKNOWN: f64 = 0.1;
 /// Points along each side of a pixel under a directional light.
 const SUPERSAMPLING: u32 = 3;
@@ -153,7 +153,8 @@ fn lit_by(
     let sobol = ScrambledSobol::new((row * size + column) as u64);
     scratch.pairs.clear();
     scratch.weights.clear();
-    let mut uncovered = 0_u32;
+    // Incident light, all of it and what arrives from directions without data.
+    let (mut arriving, mut unknown) = (0.0, 0.0);
     // The density below is that of equal thirds.
     let samples = view.samples.max(1).next_multiple_of(3);
     for index in 0..samples {
@@ -170,16 +171,18 @@ fn lit_by(
         let density = (environment.density(world) + wi.z / PI + lobe.density(wi)) / 3.0;
         let pair = DirectionPair::new(wi, wo);
         if density > 0.0 {
+            let weight = environment.radiance(world) * (wi.z / density);
+            arriving += weight.luminance();
             if brdf.covers(&pair) {
                 scratch.pairs.push(&pair);
-                scratch.weights.push(environment.radiance(world) * (wi.z / density));
+                scratch.weights.push(weight);
             } else {
-                uncovered += 1;
+                unknown += weight.luminance();
             }
         }
     }
     // Unknown directions count as dark. Where that could show, the pixel is unknown too.
-    if f64::from(uncovered) > MOST_UNKNOWN * f64::from(samples) {
+    if unknown > MOST_UNKNOWN * arriving {
         return Pixel::NoData;
     }
     brdf.eval_batch(&scratch.pairs, &mut scratch.values);

@@ -356,6 +356,14 @@ fn scattered_notes(rows: &SampleSet, outcome: &Outcome, settings: &FitSettings) 
         "held-out errors are 10-fold: rows are split before they are copied, twins together"
             .to_owned(),
     );
+    let unknowns = outcome.last().unknowns;
+    if rows.len() < unknowns {
+        notes.push(format!(
+            "{} rows for {unknowns} texels: between the rows textures are only smoothed; \
+             --texture-size 16 --smoothing 1e-2 gives a calmer picture",
+            rows.len()
+        ));
+    }
     let incidences = brdf_model::summarize(rows).incidences;
     if incidences < FEW_INCIDENCES {
         notes.push(format!(
