@@ -1,8 +1,9 @@
 //! Arguments that several commands share, and the choices behind them.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use brdf_io::{ColumnMap, Overwrite, ReadOptions};
+use brdf_io::{ColumnMap, Overwrite, ReadOptions, write_atomically};
 use brdf_model::{Channels, MerlLookup, MerlNodes};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, ValueEnum};
@@ -146,7 +147,26 @@ pub(crate) fn usage(message: impl std::fmt::Display) -> anyhow::Error {
     Cli::command().error(ErrorKind::ArgumentConflict, message).into()
 }
 
-/// A path that messages can show; `-` is standard output.
-pub(crate) fn is_standard_output(path: Option<&Path>) -> bool {
-    path.is_none_or(|path| path == Path::new("-"))
+/// Where a table goes.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct TableArgs {
+    /// Output file; - or nothing for standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    force: ForceArgs,
+}
+
+impl TableArgs {
+    /// Writes a table to where it goes.
+    pub(crate) fn write(&self, table: &str, out: &mut impl Write) -> anyhow::Result<()> {
+        match self.output.as_deref() {
+            Some(path) if path != Path::new("-") => {
+                write_atomically(path, table.as_bytes(), self.force.overwrite())?;
+            }
+            _ => out.write_all(table.as_bytes())?,
+        }
+        Ok(())
+    }
 }

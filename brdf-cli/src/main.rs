@@ -1,6 +1,7 @@
 //! The `brdf` command: parse, run, exit code.
 
 mod args;
+mod choices;
 mod commands;
 mod fitting;
 mod numbers;

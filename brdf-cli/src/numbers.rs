@@ -15,6 +15,11 @@ pub(crate) fn significant(value: f64) -> String {
     }
 }
 
+/// The number, or a dash where there is none.
+pub(crate) fn or_dash(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), significant)
+}
+
 /// A count of bytes in the unit that fits.
 pub(crate) fn bytes(count: usize) -> String {
     #[expect(clippy::cast_precision_loss, reason = "shown with three digits")]

@@ -1,15 +1,20 @@
 //! Spheres and strips for reports and for `render`.
 
-use brdf_io::{IoError, png_bytes, read_environment};
-use brdf_model::Brdf;
+use brdf_io::{IoError, OutputFolder, png_bytes, read_environment, write_exr};
+use brdf_model::{Brdf, Channels, Rgb};
+use brdf_param::DirectionPair;
 use brdf_render::{
     DirectionalLight, DisplayImage, Film, Light, Panel, SphereView, ToneMap, difference,
-    render_sphere, strip,
+    render_sphere, strip, texture_view,
 };
 
 use crate::args::LightArgs;
+use crate::fitting::Outcome;
 use crate::numbers::significant;
+use crate::subject::Subject;
 
+/// Side of the spheres in reports.
+const SPHERE_SIZE: usize = 256;
 /// How much differences are brightened.
 pub(crate) const GAIN: u8 = 4;
 
@@ -89,4 +94,66 @@ pub(crate) fn line_up(
 /// The bytes of a picture, ready to be written.
 pub(crate) fn png(picture: &DisplayImage) -> anyhow::Result<Vec<u8>> {
     Ok(png_bytes(picture)?)
+}
+
+/// The pictures of a report, as PNG bytes.
+pub(crate) struct Pictures {
+    pub(crate) spheres: Vec<u8>,
+    pub(crate) comparison: Comparison,
+    /// One for each factor: PNG and EXR.
+    pub(crate) factors: Vec<(Vec<u8>, Vec<u8>)>,
+}
+
+impl Pictures {
+    pub(crate) fn new(
+        subject: &Subject,
+        outcome: &Outcome,
+        channels: Channels,
+    ) -> anyhow::Result<Self> {
+        let model = &outcome.last().model;
+        let light = Light::Directional(DirectionalLight::default());
+        let view = SphereView { size: SPHERE_SIZE, ..SphereView::default() };
+        let name = subject.short_name();
+        let grey = Grey(subject.brdf());
+        let reference = if channels == Channels::Luminance { &grey } else { subject.brdf() };
+        let comparison = comparison((&name, reference), ("approximation", model), &light, &view);
+        let factors: anyhow::Result<Vec<_>> = model
+            .factors()
+            .iter()
+            .map(|factor| {
+                let grid = factor.grid();
+                let names = if channels == Channels::Rgb { &["R", "G", "B"][..] } else { &["Y"] };
+                let planes: Vec<(&str, Vec<f32>)> = names
+                    .iter()
+                    .enumerate()
+                    .map(|(c, name)| (*name, factor.texels().iter().map(|t| t[c]).collect()))
+                    .collect();
+                let exr = write_exr(grid.size, grid.rows(), &planes)?;
+                Ok((png(&texture_view(factor, channels))?, exr))
+            })
+            .collect();
+        Ok(Self { spheres: png(&comparison.picture)?, comparison, factors: factors? })
+    }
+
+    pub(crate) fn write(&self, folder: &mut OutputFolder) -> anyhow::Result<()> {
+        folder.write("spheres.png", &self.spheres)?;
+        for (index, (png, exr)) in self.factors.iter().enumerate() {
+            folder.write(&format!("factor-{index}.png"), png)?;
+            folder.write(&format!("factor-{index}.exr"), exr)?;
+        }
+        Ok(())
+    }
+}
+
+/// A material's luminance as grey, to stand beside a model of one channel.
+struct Grey<'a>(&'a dyn Brdf);
+
+impl Brdf for Grey<'_> {
+    fn eval(&self, pair: &DirectionPair) -> Rgb {
+        Rgb::splat(self.0.eval(pair).luminance())
+    }
+
+    fn covers(&self, pair: &DirectionPair) -> bool {
+        self.0.covers(pair)
+    }
 }

@@ -10,7 +10,7 @@ use brdf_model::{
 use serde::Serialize;
 
 use crate::args::{PairArgs, ReadArgs};
-use crate::numbers::{bytes, significant};
+use crate::numbers::{bytes, or_dash, significant};
 use crate::progress::Progress;
 use crate::subject::Subject;
 
@@ -192,7 +192,7 @@ impl Comparison {
                 significant(row.linear.mean_abs),
                 significant(row.linear.mean_square),
                 significant(row.linear.max),
-                row.cosine_rms.map_or_else(|| "–".to_owned(), significant),
+                or_dash(row.cosine_rms),
             )?;
             if row.without_data > 0 {
                 writeln!(out, "{:width$}  {} pairs without data left out", "", row.without_data)?;

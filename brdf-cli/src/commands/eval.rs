@@ -1,12 +1,12 @@
 //! `brdf eval`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use brdf_io::{IoError, MappedFile, direction_rows, direction_table_header, write_atomically};
+use brdf_io::{IoError, MappedFile, direction_rows, direction_table_header};
 
-use crate::args::{ForceArgs, ReadArgs, is_standard_output};
+use crate::args::{ReadArgs, TableArgs};
 use crate::subject::Subject;
 
 /// Evaluate a material at given directions
@@ -25,12 +25,8 @@ pub(super) struct Eval {
     #[arg(long, value_name = "FILE")]
     directions: PathBuf,
 
-    /// Output file; - or nothing for standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-
     #[command(flatten)]
-    force: ForceArgs,
+    table: TableArgs,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -54,14 +50,7 @@ impl Eval {
             let [r, g, b] = if known { value.channels() } else { [f64::NAN; 3] };
             table.push_str(&format!("{angles},{r},{g},{b}\n"));
         }
-        match self.output.as_deref() {
-            path if is_standard_output(path) => out.write_all(table.as_bytes())?,
-            path => write_atomically(
-                path.unwrap_or(Path::new("-")),
-                table.as_bytes(),
-                self.force.overwrite(),
-            )?,
-        }
+        self.table.write(&table, out)?;
         if below + without_data > 0 {
             writeln!(
                 std::io::stderr(),

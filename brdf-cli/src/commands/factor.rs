@@ -5,20 +5,19 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use brdf_factor::{FactorParams, FactorSpec, LogMap, TermSolve, Weight};
+use brdf_factor::{FactorParams, FactorSpec, TermSolve};
 use brdf_io::{
     FitRecord, FitSettings, IoError, MappedFile, ModelFile, OutputFolder, ProjectionFile,
-    model_to_bytes, read_projections, write_exr,
+    TermRecord, model_to_bytes, read_projections,
 };
 use brdf_model::{Channels, SampleSet};
-use brdf_param::{Bound, Space};
-use brdf_render::{DirectionalLight, Light, SphereView, texture_view};
-use clap::ValueEnum;
+use brdf_param::Space;
 
 use crate::args::{PairArgs, ReadArgs, not_negative, usage};
+use crate::choices::{BoundArg, LogMapArg, MethodArg, SpaceArg, Switch, WeightArg};
 use crate::fitting::{self, Method, Outcome};
-use crate::numbers::{bytes, percent, significant};
-use crate::pictures::{Comparison, comparison, png};
+use crate::numbers::{bytes, or_dash, percent, significant};
+use crate::pictures::Pictures;
 use crate::progress::Progress;
 use crate::report::{Report, html};
 use crate::subject::Subject;
@@ -110,79 +109,6 @@ pub(super) struct Factor {
     read: ReadArgs,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MethodArg {
-    /// p(wi) q(h) p(wo), two textures
-    Mccool,
-    /// p(|wi⊥|) q(|h⊥|) p(|wo⊥|), one-dimensional, isotropic materials
-    Radial,
-    /// One texture for each projection of a file
-    Projections,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum SpaceArg {
-    /// Directions to light and viewer
-    Standard,
-    /// Half and difference vector
-    HalfDifference,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum BoundArg {
-    /// The image of the sampled discs: nothing wasted
-    Disc,
-    /// The image of a cube around them, as in the thesis
-    Cube,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LogMapArg {
-    /// log(a + f), a = 1e-5 of the mean; zeros stay
-    Offset,
-    /// log f; samples with zeros are dropped and counted
-    Log,
-    /// log(a − f), a above the largest value; resolves highlights
-    Highlight,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum WeightArg {
-    /// 1: relative error counts
-    Log,
-    /// f: halves the linear error for a fifth more log error
-    F,
-    /// f²: close to the linear error
-    F2,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Switch {
-    On,
-    Off,
-}
-
-impl From<SpaceArg> for Space {
-    fn from(space: SpaceArg) -> Self {
-        match space {
-            SpaceArg::Standard => Self::Standard,
-            SpaceArg::HalfDifference => Self::HalfDifference,
-        }
-    }
-}
-
-impl MethodArg {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Mccool => "mccool",
-            Self::Radial => "radial",
-            Self::Projections => "projections",
-        }
-    }
-}
-
-/// Side of the spheres in reports.
-const SPHERE_SIZE: usize = 256;
 /// Fewer directions of light than this leave most of the light's texture to smoothing.
 const FEW_INCIDENCES: usize = 8;
 /// Rows near less than this share of the domain leave most of the fit to smoothing.
@@ -279,21 +205,10 @@ impl Factor {
         FitSettings {
             params: FactorParams {
                 texture_size: self.texture_size as usize,
-                bound: match self.bound {
-                    BoundArg::Disc => Bound::Disc,
-                    BoundArg::Cube => Bound::Cube,
-                },
+                bound: self.bound.into(),
                 smoothing: self.smoothing,
-                log_map: match self.log_map {
-                    LogMapArg::Offset => LogMap::Offset,
-                    LogMapArg::Log => LogMap::Log,
-                    LogMapArg::Highlight => LogMap::Highlight,
-                },
-                weight: match self.weight {
-                    WeightArg::Log => Weight::Log,
-                    WeightArg::F => Weight::F,
-                    WeightArg::F2 => Weight::F2,
-                },
+                log_map: self.log_map.into(),
+                weight: self.weight.into(),
                 terms: TermSolve::All,
                 theta_max: self.pairs.theta_max(),
                 solver: None,
@@ -399,64 +314,6 @@ fn model_file(report: &Report, outcome: &Outcome) -> ModelFile {
     }
 }
 
-/// The pictures of a report, as PNG bytes.
-pub(crate) struct Pictures {
-    pub(crate) spheres: Vec<u8>,
-    pub(crate) comparison: Comparison,
-    /// One for each factor: PNG and EXR.
-    pub(crate) factors: Vec<(Vec<u8>, Vec<u8>)>,
-}
-
-impl Pictures {
-    fn new(subject: &Subject, outcome: &Outcome, channels: Channels) -> anyhow::Result<Self> {
-        let model = &outcome.last().model;
-        let light = Light::Directional(DirectionalLight::default());
-        let view = SphereView { size: SPHERE_SIZE, ..SphereView::default() };
-        let name = subject.short_name();
-        let grey = Grey(subject.brdf());
-        let reference = if channels == Channels::Luminance { &grey } else { subject.brdf() };
-        let comparison = comparison((&name, reference), ("approximation", model), &light, &view);
-        let factors: anyhow::Result<Vec<_>> = model
-            .factors()
-            .iter()
-            .map(|factor| {
-                let grid = factor.grid();
-                let names = if channels == Channels::Rgb { &["R", "G", "B"][..] } else { &["Y"] };
-                let planes: Vec<(&str, Vec<f32>)> = names
-                    .iter()
-                    .enumerate()
-                    .map(|(c, name)| (*name, factor.texels().iter().map(|t| t[c]).collect()))
-                    .collect();
-                let exr = write_exr(grid.size, grid.rows(), &planes)?;
-                Ok((png(&texture_view(factor, channels))?, exr))
-            })
-            .collect();
-        Ok(Self { spheres: png(&comparison.picture)?, comparison, factors: factors? })
-    }
-
-    fn write(&self, folder: &mut OutputFolder) -> anyhow::Result<()> {
-        folder.write("spheres.png", &self.spheres)?;
-        for (index, (png, exr)) in self.factors.iter().enumerate() {
-            folder.write(&format!("factor-{index}.png"), png)?;
-            folder.write(&format!("factor-{index}.exr"), exr)?;
-        }
-        Ok(())
-    }
-}
-
-/// A material's luminance as grey, to stand beside a model of one channel.
-struct Grey<'a>(&'a dyn brdf_model::Brdf);
-
-impl brdf_model::Brdf for Grey<'_> {
-    fn eval(&self, pair: &brdf_param::DirectionPair) -> brdf_model::Rgb {
-        brdf_model::Rgb::splat(self.0.eval(pair).luminance())
-    }
-
-    fn covers(&self, pair: &brdf_param::DirectionPair) -> bool {
-        self.0.covers(pair)
-    }
-}
-
 fn summarise(
     out: &mut impl Write,
     report: &Report,
@@ -471,9 +328,7 @@ fn summarise(
         bytes(report.bytes),
         significant(report.seconds)
     )?;
-    let held_out = |term: &brdf_io::TermRecord| {
-        term.held_out.as_ref().map_or_else(|| "–".to_owned(), |e| significant(e.log.mean_square))
-    };
+    let held_out = |term: &TermRecord| or_dash(term.held_out.as_ref().map(|e| e.log.mean_square));
     for term in &report.terms {
         writeln!(
             out,

@@ -8,7 +8,7 @@ use brdf_model::{Channels, Dropped, MerlTable, PhysicalChecks, SampleSummary, ch
 use serde::Serialize;
 
 use crate::args::ReadArgs;
-use crate::numbers::{bytes, percent, significant};
+use crate::numbers::{bytes, or_dash, percent, significant};
 use crate::subject::Subject;
 
 /// Say what files hold, and whether it is physically plausible
@@ -150,9 +150,7 @@ impl Facts {
                     "  {} textures: mean square log error {}, held out {}",
                     term.textures,
                     significant(term.training.log.mean_square),
-                    term.held_out
-                        .as_ref()
-                        .map_or_else(|| "–".to_owned(), |e| significant(e.log.mean_square))
+                    or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
                 )?;
             }
         }

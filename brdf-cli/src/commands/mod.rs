@@ -14,8 +14,6 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-pub(crate) use factor::Pictures;
-
 /// Measured materials, small, fast and visible: factor BRDFs into textures, say what was lost,
 /// show it.
 ///

@@ -2,13 +2,12 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use brdf_io::{samples_to_csv, write_atomically};
+use brdf_io::samples_to_csv;
 use brdf_model::{PairSampling, SampleSet};
 
-use crate::args::{ForceArgs, PairArgs, ReadArgs, is_standard_output};
+use crate::args::{PairArgs, ReadArgs, TableArgs};
 use crate::subject::Subject;
 
 /// Draw direction pairs and write them with their values
@@ -35,12 +34,8 @@ pub(super) struct Sample {
     #[command(flatten)]
     pairs: PairArgs,
 
-    /// Output file; - or nothing for standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-
     #[command(flatten)]
-    force: ForceArgs,
+    table: TableArgs,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -70,14 +65,7 @@ impl Sample {
             ),
         };
         let table = samples_to_csv(&samples);
-        match self.output.as_deref() {
-            path if is_standard_output(path) => out.write_all(table.as_bytes())?,
-            path => write_atomically(
-                path.unwrap_or(Path::new("-")),
-                table.as_bytes(),
-                self.force.overwrite(),
-            )?,
-        }
+        self.table.write(&table, out)?;
         let mut said = format!("{} pairs", samples.len());
         if samples.dropped().total() > 0 {
             write!(said, "; dropped: {}", samples.dropped())?;

@@ -8,9 +8,9 @@ use brdf_model::{ErrorMeasures, FitErrors};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Report;
-use crate::commands::Pictures;
 use crate::fitting::Outcome;
 use crate::numbers::{bytes, percent, significant};
+use crate::pictures::Pictures;
 
 const STYLE: &str = "
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 62rem; padding: 0 1rem;
