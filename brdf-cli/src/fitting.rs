@@ -9,9 +9,12 @@ use brdf_factor::{
 };
 use brdf_io::{FitSettings, TermRecord};
 use brdf_model::{
-    Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, log_offsets, measure,
+    Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, largest_albedo, log_offsets,
+    measure,
 };
+use serde::Serialize;
 
+use crate::pictures::Grey;
 use crate::progress::Progress;
 use crate::subject::Subject;
 
@@ -19,6 +22,15 @@ use crate::subject::Subject;
 const HELD_OUT_PAIRS: u32 = 20_000;
 /// Parts that scattered rows are split into.
 const FOLDS: usize = 10;
+
+/// How much light leaves at most, of what arrives.
+#[derive(Clone, Copy, Serialize)]
+pub(crate) struct Albedo {
+    /// Of the material; none where it has holes that only interpolation fills.
+    pub(crate) reference: Option<f64>,
+    /// Of the model with the most terms.
+    pub(crate) model: f64,
+}
 
 /// The factors that a method asks for.
 pub(crate) enum Method {
@@ -37,6 +49,10 @@ pub(crate) struct Outcome {
     pub(crate) evaluations: usize,
     /// Of the fit alone.
     pub(crate) seconds: f64,
+    /// Rows or drawn pairs that were fitted, before they were copied.
+    pub(crate) rows: usize,
+    /// Largest directional albedos within the grazing limit.
+    pub(crate) albedo: Albedo,
     /// Share of the domain that has scattered rows nearby; none for materials drawn from.
     pub(crate) scattered_coverage: Option<f64>,
 }
@@ -109,8 +125,20 @@ pub(crate) fn run(
         }
     };
     progress.done(2);
+    let model = &fits[fits.len() - 1].model;
+    let theta_max = model.theta_max();
+    let reference = Grey::unless(channels == Channels::Rgb, subject.brdf());
+    let albedo = Albedo {
+        reference: subject
+            .samples()
+            .is_none()
+            .then(|| largest_albedo(reference.as_brdf(), theta_max).0),
+        model: largest_albedo(model, theta_max).0,
+    };
+    let rows = training.rows.len();
     let scattered_coverage = subject.samples().map(|_| coverage(subject, settings));
-    Ok(Outcome { evaluations: fits.len(), fits, terms, baseline, seconds, scattered_coverage })
+    let evaluations = fits.len();
+    Ok(Outcome { fits, terms, baseline, evaluations, seconds, rows, albedo, scattered_coverage })
 }
 
 impl Training {

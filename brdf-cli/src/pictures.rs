@@ -114,9 +114,9 @@ impl Pictures {
         let light = Light::Directional(DirectionalLight::default());
         let view = SphereView { size: SPHERE_SIZE, ..SphereView::default() };
         let name = subject.short_name();
-        let grey = Grey(subject.brdf());
-        let reference = if channels == Channels::Luminance { &grey } else { subject.brdf() };
-        let comparison = comparison((&name, reference), ("approximation", model), &light, &view);
+        let reference = Grey::unless(channels == Channels::Rgb, subject.brdf());
+        let comparison =
+            comparison((&name, reference.as_brdf()), ("approximation", model), &light, &view);
         let factors: anyhow::Result<Vec<_>> = model
             .factors()
             .iter()
@@ -145,15 +145,36 @@ impl Pictures {
     }
 }
 
-/// A material's luminance as grey, to stand beside a model of one channel.
-struct Grey<'a>(&'a dyn Brdf);
+/// A material, or its luminance as grey to stand beside a model of one channel.
+pub(crate) enum Grey<'a> {
+    Colour(&'a dyn Brdf),
+    Luminance(&'a dyn Brdf),
+}
+
+impl<'a> Grey<'a> {
+    pub(crate) fn unless(in_colour: bool, brdf: &'a dyn Brdf) -> Self {
+        if in_colour { Self::Colour(brdf) } else { Self::Luminance(brdf) }
+    }
+
+    pub(crate) fn as_brdf(&self) -> &dyn Brdf {
+        match self {
+            Self::Colour(brdf) => *brdf,
+            Self::Luminance(_) => self,
+        }
+    }
+}
 
 impl Brdf for Grey<'_> {
     fn eval(&self, pair: &DirectionPair) -> Rgb {
-        Rgb::splat(self.0.eval(pair).luminance())
+        match self {
+            Self::Colour(brdf) => brdf.eval(pair),
+            Self::Luminance(brdf) => Rgb::splat(brdf.eval(pair).luminance()),
+        }
     }
 
     fn covers(&self, pair: &DirectionPair) -> bool {
-        self.0.covers(pair)
+        match self {
+            Self::Colour(brdf) | Self::Luminance(brdf) => brdf.covers(pair),
+        }
     }
 }

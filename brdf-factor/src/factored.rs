@@ -272,10 +272,11 @@ impl FactoredBrdf {
         sum
     }
 
-    /// What evaluating these pairs does to them and to their values.
+    /// What evaluating these pairs does to them and to their values. Pairs below the horizon are
+    /// passed over: they give 0 in any case.
     pub fn count(&self, pairs: impl IntoIterator<Item = DirectionPair>) -> EvalCounts {
         let mut counts = EvalCounts::default();
-        for pair in pairs {
+        for pair in pairs.into_iter().filter(|pair| pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             let pulled = self.pulled_back(&pair);
             counts.pulled_back += usize::from(pulled != pair);
             counts.outside_texture += usize::from(!self.factors.iter().all(|f| f.holds(&pulled)));

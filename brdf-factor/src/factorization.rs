@@ -190,7 +190,7 @@ impl<'a> Problem<'a> {
             samples.pairs().fold(DVec3::Z, |low, pair| lowest(low, lowest(pair.wi, pair.wo))),
         );
         // A single direction along the normal would leave no room at all.
-        let theta_max = params.theta_max.min(widest * RADIUS_MARGIN).max(1e-3);
+        let theta_max = params.theta_max.min(widest).max(1e-3);
         Ok(Self { params, samples, maps, weights, theta_max })
     }
 

@@ -46,10 +46,7 @@ pub fn check(brdf: &dyn Brdf, theta_max: f64) -> PhysicalChecks {
         difference += total((forward - backward).map(f64::abs));
         sum += total((forward + backward) * 0.5);
     }
-    let angles = (0..16).map(|step| theta_max * f64::from(step) / 15.0);
-    let (largest_albedo, theta) = angles
-        .map(|theta| (directional_albedo(brdf, theta).max_channel(), theta))
-        .fold((0.0, 0.0), |best, next| if next.0 > best.0 { next } else { best });
+    let (largest_albedo, theta) = largest_albedo(brdf, theta_max);
     PhysicalChecks {
         reciprocity_error: if sum > 0.0 { difference / sum } else { 0.0 },
         largest_albedo,
@@ -59,6 +56,15 @@ pub fn check(brdf: &dyn Brdf, theta_max: f64) -> PhysicalChecks {
             max_theta_deg: theta_max.to_degrees(),
         },
     }
+}
+
+/// The largest directional albedo of any channel over sixteen angles of incidence up to `theta_max`
+/// radians, and the angle at which it occurs.
+pub fn largest_albedo(brdf: &dyn Brdf, theta_max: f64) -> (f64, f64) {
+    (0..16)
+        .map(|step| theta_max * f64::from(step) / 15.0)
+        .map(|theta| (directional_albedo(brdf, theta).max_channel(), theta))
+        .fold((0.0, 0.0), |best, next| if next.0 > best.0 { next } else { best })
 }
 
 /// ∫ f cosθo dωo for light arriving at `theta` radians and azimuth 0; pairs without data count as

@@ -45,10 +45,17 @@ impl ScrambledSobol {
 
     /// The point at `index`, in (0, 1)⁴.
     pub fn point(&self, index: u32) -> [f64; 4] {
-        std::array::from_fn(|dimension| {
-            let scrambled = owen(sobol(index, &DIRECTIONS[dimension]), self.scramble[dimension]);
-            (f64::from(scrambled) + 0.5) / 4_294_967_296.0
-        })
+        std::array::from_fn(|dimension| self.coordinate(index, dimension))
+    }
+
+    /// The first two coordinates of the point at `index`.
+    pub fn planar_point(&self, index: u32) -> [f64; 2] {
+        std::array::from_fn(|dimension| self.coordinate(index, dimension))
+    }
+
+    fn coordinate(&self, index: u32, dimension: usize) -> f64 {
+        let scrambled = owen(sobol(index, &DIRECTIONS[dimension]), self.scramble[dimension]);
+        (f64::from(scrambled) + 0.5) / 4_294_967_296.0
     }
 }
 
@@ -86,11 +93,12 @@ const fn direction_numbers(m: &[u32], inner: u32) -> [u32; 32] {
 }
 
 fn sobol(index: u32, directions: &[u32; 32]) -> u32 {
-    directions
-        .iter()
-        .enumerate()
-        .filter(|(bit, _)| index >> bit & 1 == 1)
-        .fold(0, |value, (_, direction)| value ^ direction)
+    let (mut value, mut bits) = (0, index);
+    while bits != 0 {
+        value ^= directions[bits.trailing_zeros() as usize];
+        bits &= bits - 1;
+    }
+    value
 }
 
 fn owen(value: u32, seed: u32) -> u32 {

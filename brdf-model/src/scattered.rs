@@ -2,7 +2,7 @@
 //!
 //! Fitting never goes through here: samples enter it as they are.
 
-use brdf_param::DirectionPair;
+use brdf_param::{DirectionPair, polar_angle};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
@@ -13,11 +13,14 @@ use crate::{Brdf, Rgb, SampleSet};
 ///
 /// Distance is taken between the products sinθi sinθo cosΔφ, sinθi sinθo |sinΔφ| and cosθi cosθo,
 /// which rotation, mirroring and reciprocity leave alone (the idea is pbrt-v2's). Where no sample
-/// lies within [`ScatteredBrdf::REACH`], there is no data.
+/// lies within [`ScatteredBrdf::REACH`], and more than a degree beyond the measured directions,
+/// there is no data.
 #[derive(Debug)]
 pub struct ScatteredBrdf {
     tree: RTree<GeomWithData<[f64; 3], usize>>,
     samples: SampleSet,
+    /// Heights of the lowest measured direction, less a degree.
+    lowest: f64,
 }
 
 impl ScatteredBrdf {
@@ -33,7 +36,12 @@ impl ScatteredBrdf {
             .enumerate()
             .map(|(index, pair)| GeomWithData::new(invariants(&pair), index))
             .collect();
-        Self { tree: RTree::bulk_load(points), samples }
+        let farthest = samples
+            .pairs()
+            .map(|pair| polar_angle(pair.wi).max(polar_angle(pair.wo)))
+            .fold(0.0, f64::max);
+        let lowest = (farthest + 1_f64.to_radians()).cos();
+        Self { tree: RTree::bulk_load(points), samples, lowest }
     }
 
     /// The samples it goes through.
@@ -42,7 +50,7 @@ impl ScatteredBrdf {
     }
 
     fn interpolate(&self, pair: &DirectionPair) -> Option<Rgb> {
-        if !is_lit(pair) {
+        if !is_lit(pair) || pair.wi.z.min(pair.wo.z) < self.lowest {
             return None;
         }
         let mut sum = Rgb::BLACK;

@@ -99,9 +99,9 @@ impl Environment {
         Rgb::from(self.texels[self.texel(direction)].map(f64::from))
     }
 
-    /// Density, per steradian, with which [`Environment::sample`] gives a direction.
-    pub fn density(&self, direction: DVec3) -> f64 {
-        self.radiance(direction).luminance() / self.total
+    /// Density, per steradian, with which [`Environment::sample`] gives a direction of this radiance.
+    pub fn density(&self, radiance: Rgb) -> f64 {
+        radiance.luminance() / self.total
     }
 
     /// A direction with density proportional to luminance, from two numbers in [0, 1).

@@ -158,7 +158,7 @@ fn lit_by(
     // The density below is that of equal thirds.
     let samples = view.samples.max(1).next_multiple_of(3);
     for index in 0..samples {
-        let [u, v, ..] = sobol.point(index);
+        let [u, v] = sobol.planar_point(index);
         let wi = match index % 3 {
             0 => frame.to_local(environment.sample(u, v)),
             1 => cosine_hemisphere(u, v).0,
@@ -168,10 +168,11 @@ fn lit_by(
             continue;
         }
         let world = frame.to_world(wi);
-        let density = (environment.density(world) + wi.z / PI + lobe.density(wi)) / 3.0;
+        let radiance = environment.radiance(world);
+        let density = (environment.density(radiance) + wi.z / PI + lobe.density(wi)) / 3.0;
         let pair = DirectionPair::new(wi, wo);
         if density > 0.0 {
-            let weight = environment.radiance(world) * (wi.z / density);
+            let weight = radiance * (wi.z / density);
             arriving += weight.luminance();
             if brdf.covers(&pair) {
                 scratch.pairs.push(&pair);

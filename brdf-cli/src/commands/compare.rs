@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_model::{
-    CosineRms, Dropped, ErrorMeasures, PairSampling, SampleSet, cosine_rms, log_offsets, measure,
+    Channels, CosineRms, Dropped, ErrorMeasures, PairSampling, SampleSet, cosine_rms, log_offsets,
+    measure,
 };
 use serde::Serialize;
 
@@ -111,6 +112,15 @@ impl Compare {
         }
         let offsets = log_offsets(&samples);
         let progress = Progress::new(models.len() as u64);
+        for model in &models {
+            if model.channels() == Channels::Luminance && channels == Channels::Rgb {
+                writeln!(
+                    std::io::stderr(),
+                    "{}: one channel, compared with three; --luminance compares like with like",
+                    model.argument
+                )?;
+            }
+        }
         let results = models
             .iter()
             .map(|model| {

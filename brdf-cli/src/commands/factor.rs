@@ -15,7 +15,7 @@ use brdf_param::Space;
 
 use crate::args::{PairArgs, ReadArgs, not_negative, usage};
 use crate::choices::{BoundArg, LogMapArg, MethodArg, SpaceArg, Switch, WeightArg};
-use crate::fitting::{self, Method, Outcome};
+use crate::fitting::{self, Albedo, Method, Outcome};
 use crate::numbers::{bytes, or_dash, percent, significant};
 use crate::pictures::Pictures;
 use crate::progress::Progress;
@@ -43,8 +43,10 @@ pub(super) struct Factor {
     #[arg(long, value_enum, default_value_t = MethodArg::Mccool)]
     method: MethodArg,
 
-    /// For --method projections: JSON or TOML with `projections`, a list of pairs of rows of four
-    /// numbers, and optionally `space`
+    /// For --method projections: JSON or TOML with `projections`, one pair of rows for each texture.
+    /// A row's four numbers multiply the parabolic coordinates of wi and wo (or of h and d); for
+    /// textures of wi + wo and of wi:
+    /// projections = [[[1,0,1,0],[0,1,0,1]], [[1,0,0,0],[0,1,0,0]]]
     #[arg(long, value_name = "FILE")]
     projections: Option<PathBuf>,
 
@@ -61,7 +63,7 @@ pub(super) struct Factor {
     samples: u32,
 
     /// Smoothing μ: weight of each texel's Laplacian, relative to the samples
-    #[arg(long, value_name = "MU", default_value_t = 1e-4, value_parser = not_negative)]
+    #[arg(long, value_name = "MU", default_value_t = 1e-4, value_parser = not_negative, allow_hyphen_values = true)]
     smoothing: f64,
 
     /// What is fitted into the square of a texture
@@ -242,8 +244,45 @@ impl Factor {
         } else if settings.replicate > 1 {
             notes.push(format!("each pair was fitted {} times, turned", settings.replicate));
         }
+        notes.extend(fit_notes(outcome));
         Report::new(subject, outcome, settings, self.method.name(), space, channels, notes)
     }
+}
+
+/// What is wrong with a fit that its errors alone do not show.
+fn fit_notes(outcome: &Outcome) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (rows, unknowns) = (outcome.rows, outcome.last().unknowns);
+    if rows < unknowns {
+        notes.push(format!(
+            "{rows} rows for {unknowns} texels: between the rows textures are only smoothed; \
+             --texture-size 16 --smoothing 1e-2 gives a calmer picture"
+        ));
+    }
+    if outcome.terms.iter().any(|term| term.held_out.is_none()) {
+        notes.push(
+            "too few rows to hold any out: nothing is known about unseen directions".to_owned(),
+        );
+    }
+    let Albedo { reference, model } = outcome.albedo;
+    if model > 1.0 {
+        notes.push(format!(
+            "the model reflects up to {} times the light that arrives{}; more smoothing or \
+             --weight f may mend it",
+            significant(model),
+            reference.map_or_else(String::new, |r| format!(" (the reference {})", significant(r)))
+        ));
+    } else if let Some(reference) = reference
+        && !(0.8..=1.25).contains(&(model / reference))
+    {
+        notes.push(format!(
+            "the model's largest albedo is {}, the reference's {}: its highlights are off; --weight f \
+             favours them",
+            significant(model),
+            significant(reference)
+        ));
+    }
+    notes
 }
 
 /// What scattered rows were turned into, and what they cannot tell.
@@ -267,17 +306,11 @@ fn scattered_notes(rows: &SampleSet, outcome: &Outcome, settings: &FitSettings) 
                 .to_owned(),
         );
     }
-    notes.push(
-        "held-out errors are 10-fold: rows are split before they are copied, twins together"
-            .to_owned(),
-    );
-    let unknowns = outcome.last().unknowns;
-    if rows.len() < unknowns {
-        notes.push(format!(
-            "{} rows for {unknowns} texels: between the rows textures are only smoothed; \
-             --texture-size 16 --smoothing 1e-2 gives a calmer picture",
-            rows.len()
-        ));
+    if outcome.terms.iter().all(|term| term.held_out.is_some()) {
+        notes.push(
+            "held-out errors are 10-fold: rows are split before they are copied, twins together"
+                .to_owned(),
+        );
     }
     let incidences = brdf_model::summarize(rows).incidences;
     if incidences < FEW_INCIDENCES {
@@ -308,7 +341,7 @@ fn model_file(report: &Report, outcome: &Outcome) -> ModelFile {
             space: report.space.to_owned(),
             settings: report.settings.clone(),
             terms: outcome.terms.clone(),
-            samples_used: report.samples.used,
+            samples_used: report.samples.fitted,
             dropped: report.samples.dropped,
         },
     }
@@ -348,7 +381,16 @@ fn summarise(
             held_out(mccool)
         )?;
     }
-    writeln!(out, "samples: {} used; dropped: {}", report.samples.used, report.samples.dropped)?;
+    writeln!(
+        out,
+        "largest albedo {}, reference {}",
+        significant(report.albedo.model),
+        or_dash(report.albedo.reference)
+    )?;
+    writeln!(out, "samples: {} used", report.samples.used)?;
+    if report.samples.dropped.total() > 0 {
+        writeln!(out, "dropped: {}", report.samples.dropped)?;
+    }
     for note in &report.notes {
         writeln!(out, "note: {note}")?;
     }

@@ -11,7 +11,7 @@ use crate::args::ReadArgs;
 use crate::numbers::{bytes, or_dash, percent, significant};
 use crate::subject::Subject;
 
-/// Say what files hold, and whether it is physically plausible
+/// Say what files hold, and whether they are physically plausible
 ///
 /// Reports format, size and channels; for materials that can be evaluated, the reciprocity error,
 /// the largest directional albedo and how much of the domain has data; for scattered samples, their

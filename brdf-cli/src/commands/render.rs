@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use anyhow::bail;
 use brdf_io::write_atomically;
 use brdf_model::Brdf;
 use brdf_render::SphereView;
@@ -17,7 +18,8 @@ use crate::subject::Subject;
 ///
 /// All pictures share camera, light and exposure: that which shows 99 % of the first sphere
 /// unclipped, unless --exposure says otherwise. From the second material on, its difference from
-/// the first follows, brightened four times. A directional light has irradiance π, so that a white
+/// the first follows, brightened four times. Under an environment, scattered measurements take
+/// minutes. A directional light has irradiance π, so that a white
 /// diffuser facing it shows as 1. Pixels where a material has no data are chequered violet.
 ///
 /// Example: brdf render preset:ggx brdf-out/model.safetensors --env grace.hdr -o spheres.png
@@ -43,7 +45,7 @@ pub(super) struct Render {
     samples: u32,
 
     /// Factor from linear values to what is shown as white
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = positive, allow_hyphen_values = true)]
     exposure: Option<f64>,
 
     #[command(flatten)]
@@ -55,6 +57,10 @@ pub(super) struct Render {
 
 impl Render {
     pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        let is_png = self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        if !is_png {
+            bail!("{}: unknown extension; expected .png", self.output.display());
+        }
         let options = self.read.options();
         let subjects: Vec<Subject> = self
             .models

@@ -9,7 +9,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Report;
 use crate::fitting::Outcome;
-use crate::numbers::{bytes, percent, significant};
+use crate::numbers::{bytes, or_dash, percent, significant};
 use crate::pictures::Pictures;
 
 const STYLE: &str = "
@@ -75,6 +75,7 @@ fn spheres(pictures: &Pictures) -> Markup {
 }
 
 fn errors(report: &Report) -> Markup {
+    let albedo = report.albedo;
     let mccool = (report.method != "mccool").then_some(&report.baseline.mccool);
     html! {
         h2 { "Errors" }
@@ -94,6 +95,11 @@ fn errors(report: &Report) -> Markup {
             "Log errors are of ln(a + f) with a = 1e-5 of the mean; linear errors in sr⁻¹ (squares "
             "in sr⁻²). Mean absolute, mean square, maximum; over RGB, means are means over "
             "channels. Held-out samples were not fitted."
+        }
+        p {
+            "Largest directional albedo within the grazing limit: model " (significant(albedo.model))
+            ", reference " (or_dash(albedo.reference))
+            ". Above 1, more light leaves than arrives."
         }
     }
 }
@@ -178,7 +184,8 @@ fn samples(report: &Report) -> Markup {
         h2 { "What was fitted, dropped and changed" }
         table {
             tr { th { "samples" } th { "count" } }
-            tr { td { "fitted" } td { (report.samples.used) } }
+            tr { td { "used" } td { (report.samples.used) } }
+            tr { td { "fitted, turned copies included" } td { (report.samples.fitted) } }
             @for (reason, count) in reasons {
                 tr { td { "dropped: " (reason) } td { (count) } }
             }

@@ -8,7 +8,7 @@ use brdf_model::{Channels, Dropped, PairSampling};
 use brdf_param::Space;
 use serde::Serialize;
 
-use crate::fitting::Outcome;
+use crate::fitting::{Albedo, Outcome};
 use crate::subject::Subject;
 
 /// `report.json`. The first key marks the folder as ours.
@@ -27,6 +27,8 @@ pub(crate) struct Report {
     evaluations: usize,
     pub(crate) seconds: f64,
     pub(crate) bytes: usize,
+    /// Largest directional albedos within the model's grazing limit.
+    pub(crate) albedo: Albedo,
     pub(crate) channels: Channels,
     pub(crate) solve: Solve,
     /// What evaluating the model on the pairs of a whole hemisphere does.
@@ -39,8 +41,10 @@ pub(crate) struct Report {
 
 #[derive(Serialize)]
 pub(crate) struct Samples {
-    /// Rows of the fit, turned copies included.
+    /// Rows or drawn pairs that were fitted.
     pub(crate) used: usize,
+    /// The same with their turned copies.
+    pub(crate) fitted: usize,
     pub(crate) dropped: Dropped,
     /// Samples with a negative channel that was set to 0.
     pub(crate) clamped: usize,
@@ -92,12 +96,18 @@ impl Report {
             model: "model.safetensors",
             method,
             space: space.name(),
-            samples: Samples { used: fit.samples_used, dropped: fit.dropped, clamped: fit.clamped },
+            samples: Samples {
+                used: outcome.rows,
+                fitted: fit.samples_used,
+                dropped: fit.dropped,
+                clamped: fit.clamped,
+            },
             terms: outcome.terms.clone(),
             baseline: Baseline { mccool: outcome.baseline.clone() },
             evaluations: outcome.evaluations,
             seconds: outcome.seconds,
             bytes: fit.model.payload_bytes(),
+            albedo: outcome.albedo,
             channels,
             solve: Solve {
                 solver: fit.solver,
