@@ -46,7 +46,7 @@ pub(super) struct Factor {
     /// For --method projections: JSON or TOML with `projections`, one pair of rows for each texture.
     /// A row's four numbers multiply the parabolic coordinates of wi and wo (or of h and d); for
     /// textures of wi + wo and of wi:
-    /// projections = [[[1,0,1,0],[0,1,0,1]], [[1,0,0,0],[0,1,0,0]]]
+    /// `projections = [[[1,0,1,0],[0,1,0,1]], [[1,0,0,0],[0,1,0,0]]]`
     #[arg(long, value_name = "FILE")]
     projections: Option<PathBuf>,
 
