@@ -4,7 +4,7 @@ use brdf_param::{
     Bound, DirectionPair, DiscRadii, HemisphereMap, KautzMcCool, Projection, ScaledProjection,
     Space,
 };
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// A map from direction pairs to texture coordinates, before scaling.
@@ -110,38 +110,13 @@ impl Coordinate {
         }
     }
 
-    /// The largest radii that pairs give this coordinate.
+    /// The largest radii that pairs give a radial coordinate.
     pub(crate) fn largest_radii(&self, pairs: impl Iterator<Item = DirectionPair>) -> DiscRadii {
-        let direction: fn(&DirectionPair) -> DVec3 = match self {
-            Self::Wi => |pair| pair.wi,
-            Self::Wo => |pair| pair.wo,
-            Self::H => DirectionPair::half,
-            _ => {
-                let none = DiscRadii { first: 0.0, second: 0.0 };
-                return pairs.fold(none, |largest, pair| largest.max(self.radii(&pair)));
-            }
+        let radius = match self.reading() {
+            Reading::Radial(radial) => pairs.map(|pair| radial.value(&pair)).fold(0.0, f64::max),
+            Reading::Planar(_) => 1.0,
         };
-        // The farthest from the normal is the lowest.
-        let lowest = pairs
-            .map(|pair| direction(&pair))
-            .fold(DVec3::Z, |low, w| if w.z < low.z { w } else { low });
-        let radius = HemisphereMap::Parabolic.encode(lowest).length();
         DiscRadii { first: radius, second: radius }
-    }
-
-    /// The radii that a pair contributes to the domain of this coordinate.
-    fn radii(&self, pair: &DirectionPair) -> DiscRadii {
-        let both = |radius| DiscRadii { first: radius, second: radius };
-        match self.reading() {
-            Reading::Radial(radial) => both(radial.value(pair)),
-            Reading::Planar(plane @ Plane { fixed: Some(half), .. }) => {
-                both(plane.half_point(half, pair).length())
-            }
-            Reading::Planar(Plane { fixed: None, space, .. }) => {
-                let at = space.coordinates(pair);
-                DiscRadii { first: at.first.length(), second: at.second.length() }
-            }
-        }
     }
 
     /// Half the extent of the coordinate's image, by which it is divided.
@@ -192,6 +167,16 @@ impl Coordinate {
 }
 
 impl Plane {
+    /// The radii that matter to this plane, of those of its space.
+    pub(crate) fn radii(&self, space: DiscRadii) -> DiscRadii {
+        let both = |radius| DiscRadii { first: radius, second: radius };
+        match self.fixed {
+            None => space,
+            Some(HalfOfSpace::First) => both(space.first),
+            Some(HalfOfSpace::Second) => both(space.second),
+        }
+    }
+
     /// One half of the coordinates in this plane's space, without computing the other.
     fn half_point(&self, half: HalfOfSpace, pair: &DirectionPair) -> DVec2 {
         match (self.space, half) {

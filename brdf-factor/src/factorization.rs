@@ -1,13 +1,14 @@
 //! Fitting the textures of given coordinates to samples.
 
+use std::sync::Arc;
+
 use brdf_model::{Dropped, SampleSet};
-use brdf_param::{Bound, DiscRadii, polar_angle};
-use glam::DVec3;
+use brdf_param::Bound;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ChannelMap, Factor, FactorDescription, FactorError, FactorSpec, FactoredBrdf, LinearSystem,
-    LogMap, Smoothing, Solver,
+    Columns, Factor, FactorError, FactorSpec, FactoredBrdf, LinearSystem, LogMap, Problem, Solver,
 };
 
 /// What a sample's squared log residual is multiplied by.
@@ -41,7 +42,8 @@ pub struct FactorParams {
     pub texture_size: usize,
     /// What image of the coordinates is fitted into the texture.
     pub bound: Bound,
-    /// μ ≥ 0, see [`Smoothing`]. 1e-4 costs nothing measurable; 1e-3 costs 5–14 % of log error.
+    /// μ ≥ 0: the Laplacian of each masked texel is weighted by λ² = μ Σw / (texels of the
+    /// factor). 1e-4 costs nothing measurable; 1e-3 costs 5–14 % of log error.
     pub smoothing: f64,
     /// Which logarithm is fitted.
     pub log_map: LogMap,
@@ -72,7 +74,7 @@ impl Default for FactorParams {
 }
 
 impl FactorParams {
-    fn check(&self) -> Result<(), FactorError> {
+    pub(crate) fn check(&self) -> Result<(), FactorError> {
         // Written so that NaN is refused.
         if !(self.smoothing >= 0.0 && self.smoothing.is_finite()) {
             return Err(FactorError::Option {
@@ -130,8 +132,7 @@ pub fn factorize(
     params: &FactorParams,
 ) -> Result<Fit, FactorError> {
     let problem = Problem::new(samples, params)?;
-    let factors = problem.empty_factors(specs)?;
-    problem.solve(&[], factors)
+    solve(&problem, &[], empty_factors(&problem, specs)?)
 }
 
 /// Fits the model of the first factor, of the first two, and so on, as [`FactorParams::terms`]
@@ -153,153 +154,94 @@ pub fn factorize_terms(
             TermSolve::Last(n) => terms.saturating_sub(n),
         };
         let earlier = fits.last().map_or(&[][..], |fit| &fit.model.factors()[..kept]).to_vec();
-        let factors = problem.empty_factors(&specs[kept..terms])?;
-        fits.push(problem.solve(&earlier, factors)?);
+        let factors = empty_factors(&problem, &specs[kept..terms])?;
+        fits.push(solve(&problem, &earlier, factors)?);
     }
     Ok(fits)
 }
 
-/// Samples prepared for fitting.
-struct Problem<'a> {
-    params: &'a FactorParams,
-    samples: SampleSet,
-    maps: Vec<ChannelMap>,
-    weights: Vec<f64>,
-    theta_max: f64,
+/// The factors of these coordinates, without texel values.
+fn empty_factors(problem: &Problem, specs: &[FactorSpec]) -> Result<Vec<Factor>, FactorError> {
+    let size = problem.params().texture_size;
+    specs.iter().map(|spec| problem.empty_factor(spec, size)).collect()
 }
 
-/// How far beyond the largest training radius a texture reaches, so that the outermost sample does
-/// not stand on the very rim.
-const RADIUS_MARGIN: f64 = 1.0001;
-
-impl<'a> Problem<'a> {
-    fn new(samples: &SampleSet, params: &'a FactorParams) -> Result<Self, FactorError> {
-        params.check()?;
-        let samples = match params.log_map {
-            LogMap::Log => samples.positive(),
-            LogMap::Offset | LogMap::Highlight => samples.clone(),
-        };
-        if samples.is_empty() {
-            return Err(FactorError::NoSamples { dropped: samples.dropped().to_string() });
-        }
-        let maps = ChannelMap::for_samples(params.log_map, &samples);
-        let weights = weights(&samples, params.weight);
-        // The lowest direction is the one farthest from the normal.
-        let lowest = |a: DVec3, b: DVec3| if b.z < a.z { b } else { a };
-        let widest = polar_angle(
-            samples.pairs().fold(DVec3::Z, |low, pair| lowest(low, lowest(pair.wi, pair.wo))),
-        );
-        // A single direction along the normal would leave no room at all.
-        let theta_max = params.theta_max.min(widest).max(1e-3);
-        Ok(Self { params, samples, maps, weights, theta_max })
+/// Solves for the texels of `factors` beside those of `earlier`, which stay.
+fn solve(
+    problem: &Problem,
+    earlier: &[Factor],
+    mut factors: Vec<Factor>,
+) -> Result<Fit, FactorError> {
+    let params = problem.params();
+    let columns: Vec<Arc<Columns>> =
+        factors.par_iter().map(|factor| Arc::new(problem.columns(factor))).collect();
+    let untouched: Vec<Vec<usize>> =
+        columns.iter().map(|columns| columns.untouched_texels(problem.weights())).collect();
+    if params.smoothing <= 0.0 {
+        refuse_free_texels(&untouched, &factors)?;
     }
-
-    /// Factors without texel values, scaled to the samples.
-    fn empty_factors(&self, specs: &[FactorSpec]) -> Result<Vec<Factor>, FactorError> {
-        let radii_of = |spec: &FactorSpec| {
-            let mut largest = DiscRadii { first: 1e-6, second: 1e-6 };
-            for coordinate in &spec.coordinates {
-                largest = largest.max(coordinate.largest_radii(self.samples.pairs()));
-            }
-            DiscRadii {
-                first: RADIUS_MARGIN * largest.first,
-                second: RADIUS_MARGIN * largest.second,
-            }
-        };
-        specs
-            .iter()
-            .map(|spec| {
-                let (size, bound) = (self.params.texture_size, self.params.bound);
-                let coordinates = &spec.coordinates;
-                let description = FactorDescription::new(coordinates, size, bound, radii_of(spec))?;
-                Factor::new(description, None)
-            })
-            .collect()
-    }
-
-    /// Solves for the texels of `factors` beside those of `earlier`, which stay.
-    fn solve(&self, earlier: &[Factor], mut factors: Vec<Factor>) -> Result<Fit, FactorError> {
-        let smoothing = Smoothing { mu: self.params.smoothing };
-        let active: Vec<&Factor> = factors.iter().collect();
-        let system = LinearSystem::new(&self.samples, &active, &self.weights, smoothing);
-        let smoothed_texels = system.untouched_texels().len();
-        if smoothing.mu <= 0.0 {
-            refuse_free_texels(&system, &factors)?;
-        }
-        let fixed = (!earlier.is_empty())
-            .then(|| FactoredBrdf::new(earlier.to_vec(), self.maps.clone(), self.theta_max))
-            .transpose()?;
-        let sides: Vec<Vec<f64>> = (0..self.maps.len())
-            .map(|channel| system.right_hand_side(&self.targets(channel, fixed.as_ref())))
-            .collect();
-        let unknowns = system.unknowns();
-        let solver = self.params.solver.unwrap_or_else(|| Solver::for_unknowns(unknowns));
-        let solution = solver.solve(system.matrix(), &sides)?;
-
-        let predictions = solution.values.iter().map(|x| system.predict(x)).collect();
-        for (index, factor) in factors.iter_mut().enumerate() {
-            let mut texels = vec![[0.0_f64; 4]; factor.grid().texels()];
-            for (channel, values) in solution.values.iter().enumerate() {
-                for (texel, value) in texels.iter_mut().zip(system.texels_of(index, values)) {
-                    texel[channel] = value.unwrap_or(0.0);
-                }
-            }
-            store(factor, &texels)?;
-        }
-        let mut all = earlier.to_vec();
-        all.extend(factors);
-        settle_constants(&mut all)?;
-        Ok(Fit {
-            model: FactoredBrdf::new(all, self.maps.clone(), self.theta_max)?,
-            samples_used: self.samples.len(),
-            dropped: self.samples.dropped(),
-            clamped: self.samples.clamped(),
-            unknowns,
-            smoothed_texels,
-            solver,
-            iterations: solution.iterations,
-            converged: solution.converged,
-            predictions,
-        })
-    }
-
-    /// Fitted values of a channel, less what the fixed factors already give.
-    fn targets(&self, channel: usize, fixed: Option<&FactoredBrdf>) -> Vec<f64> {
-        let map = &self.maps[channel];
-        let values = &self.samples.values()[channel];
-        self.samples
-            .pairs()
-            .zip(values)
-            .map(|(pair, &f)| {
-                map.forward(f) - fixed.map_or(0.0, |model| model.log_values(&pair)[channel])
-            })
-            .collect()
-    }
-}
-
-/// One weight per sample, the same for all channels, so that one matrix serves them all.
-fn weights(samples: &SampleSet, weight: Weight) -> Vec<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "one or three channels")]
-    let channels = samples.values().len() as f64;
-    let mean = |index: usize| samples.values().iter().map(|c| c[index]).sum::<f64>() / channels;
-    let weights: Vec<f64> = (0..samples.len())
-        .map(|index| match weight {
-            Weight::Log => 1.0,
-            Weight::F => mean(index),
-            Weight::F2 => mean(index).powi(2),
-        })
+    let system = LinearSystem::new(columns, problem.weights());
+    let sides: Vec<Vec<f64>> = residual_targets(problem, earlier)
+        .iter()
+        .map(|targets| system.right_hand_side(targets))
         .collect();
-    // A material that is black everywhere has nothing to weight by.
-    if weights.iter().any(|&w| w > 0.0) { weights } else { vec![1.0; samples.len()] }
+    let unknowns = system.unknowns();
+    let solver = params.solver.unwrap_or_else(|| Solver::for_unknowns(unknowns));
+    let solution = solver.solve(&system, &sides)?;
+
+    for (index, factor) in factors.iter_mut().enumerate() {
+        let mut texels = vec![[0.0_f64; 4]; factor.grid().texels()];
+        for (channel, x) in solution.values.iter().enumerate() {
+            let own = system.columns()[index].texels(system.part(index, x));
+            for (texel, value) in texels.iter_mut().zip(own) {
+                texel[channel] = value.unwrap_or(0.0);
+            }
+        }
+        store(factor, &texels)?;
+    }
+    let mut all = earlier.to_vec();
+    all.extend(factors);
+    settle_constants(&mut all)?;
+    Ok(Fit {
+        model: FactoredBrdf::new(all, problem.maps().to_vec(), problem.theta_max())?,
+        samples_used: problem.len(),
+        dropped: problem.dropped(),
+        clamped: problem.clamped(),
+        unknowns,
+        smoothed_texels: untouched.iter().map(Vec::len).sum(),
+        solver,
+        iterations: solution.iterations,
+        converged: solution.converged,
+        predictions: solution
+            .values
+            .iter()
+            .map(|x| problem.in_given_order(&system.predict(x)))
+            .collect(),
+    })
 }
 
-fn refuse_free_texels(system: &LinearSystem, factors: &[Factor]) -> Result<(), FactorError> {
-    let mut free = system.untouched_texels();
-    let others = free.len().saturating_sub(1);
-    match free.next() {
+/// Fitted values of each channel, less what earlier factors already give.
+fn residual_targets(problem: &Problem, earlier: &[Factor]) -> Vec<Vec<f64>> {
+    let mut targets = problem.targets().to_vec();
+    for factor in earlier {
+        let columns = problem.columns(factor);
+        for (channel, targets) in targets.iter_mut().enumerate() {
+            let mut given = vec![0.0; targets.len()];
+            columns.add_values(&columns.texels_of(factor, channel), &mut given);
+            targets.iter_mut().zip(given).for_each(|(target, given)| *target -= given);
+        }
+    }
+    targets
+}
+
+fn refuse_free_texels(untouched: &[Vec<usize>], factors: &[Factor]) -> Result<(), FactorError> {
+    let count: usize = untouched.iter().map(Vec::len).sum();
+    let first = untouched.iter().enumerate().find_map(|(f, free)| Some((f, *free.first()?)));
+    match first {
         None => Ok(()),
         Some((factor, texel)) => {
             let size = factors[factor].grid().size;
+            let others = count - 1;
             Err(FactorError::FreeTexel { factor, u: texel % size, v: texel / size, others })
         }
     }

@@ -39,11 +39,6 @@ impl Grid {
         self.size.pow(u32::try_from(self.dimensions).unwrap_or(2))
     }
 
-    /// Texels around each point: four in two dimensions, two in one.
-    pub(crate) fn taps_per_point(&self) -> usize {
-        if self.dimensions == 1 { 2 } else { 4 }
-    }
-
     /// Rows of the texture: 1 in one dimension.
     pub fn rows(&self) -> usize {
         if self.dimensions == 1 { 1 } else { self.size }
@@ -90,16 +85,24 @@ impl Grid {
     }
 
     /// The texel below a position in [0, 1] and the way to the next.
+    #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
+    pub(crate) fn along(&self, position: f64) -> (usize, f64) {
+        self.cell(position * (self.size - 1) as f64)
+    }
+
+    /// The texel below a position in texels, which is moved to the rim if it lies outside, and the
+    /// way to the next.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::cast_precision_loss,
         reason = "positions are clamped to the texture"
     )]
-    fn along(&self, position: f64) -> (usize, f64) {
-        let scaled = position.clamp(0.0, 1.0) * (self.size - 1) as f64;
-        let low = (scaled as usize).min(self.size - 2);
-        (low, scaled - low as f64)
+    #[inline]
+    pub(crate) fn cell(&self, position: f64) -> (usize, f64) {
+        let inside = position.clamp(0.0, (self.size - 1) as f64);
+        let low = (inside as usize).min(self.size - 2);
+        (low, inside - low as f64)
     }
 
     /// The texels that can matter for points inside the convex hull of `outline`: those less than
@@ -111,21 +114,37 @@ impl Grid {
         #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
         let texel = 2.0 / (self.size - 1) as f64;
         let hull = convex_hull(outline);
+        // A texel exactly one step away has no weight, but must not be lost to rounding either.
+        let slack = 1e-9;
         let edges: Vec<(DVec2, f64)> = hull
             .iter()
             .zip(hull.iter().cycle().skip(1))
             .map(|(&a, &b)| {
                 let outward = -(b - a).perp();
                 // The hull grown by a texel along both axes.
-                (outward, outward.dot(a) + texel * (outward.x.abs() + outward.y.abs()))
+                let grown = outward.x.abs() + outward.y.abs();
+                (outward, outward.dot(a) + (texel + slack) * grown)
             })
             .collect();
-        (0..self.texels())
-            .map(|index| {
-                let point = self.position(index);
-                edges.iter().all(|&(outward, limit)| outward.dot(point) <= limit)
-            })
-            .collect()
+        (0..self.size).flat_map(|row| self.masked_row(row, &edges)).collect()
+    }
+
+    /// The texels of a row within all half-planes outward · point ≤ limit.
+    fn masked_row(&self, row: usize, edges: &[(DVec2, f64)]) -> impl Iterator<Item = bool> + use<> {
+        let y = self.position(row * self.size).y;
+        let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+        for &(outward, limit) in edges {
+            let rest = limit - outward.y * y;
+            if outward.x > 0.0 {
+                to = to.min(rest / outward.x);
+            } else if outward.x < 0.0 {
+                from = from.max(rest / outward.x);
+            } else if rest < 0.0 {
+                to = f64::NEG_INFINITY;
+            }
+        }
+        let grid = *self;
+        (0..self.size).map(move |column| (from..=to).contains(&grid.position(column).x))
     }
 
     /// The existing neighbours of a texel along the axes.

@@ -19,6 +19,7 @@
 //! ```
 
 mod batch;
+mod columns;
 mod coordinate;
 mod error;
 mod factored;
@@ -27,18 +28,21 @@ mod grid;
 mod linear_system;
 mod log_map;
 mod lsmr;
+mod normal_equations;
+mod problem;
 mod qmr;
 mod solver;
-mod sparse_rows;
 mod validation;
 
+pub use columns::Columns;
 pub use coordinate::{Coordinate, FactorSpec};
 pub use error::FactorError;
 pub use factored::{EvalCounts, Factor, FactorDescription, FactoredBrdf};
 pub use factorization::{FactorParams, Fit, TermSolve, Weight, factorize, factorize_terms};
 pub use grid::Grid;
-pub use linear_system::{LinearSystem, Smoothing};
+pub use linear_system::LinearSystem;
 pub use log_map::{ChannelMap, LogMap};
+pub use normal_equations::{CholeskyFactor, NormalEquations};
+pub use problem::Problem;
 pub use solver::{Solution, Solver};
-pub use sparse_rows::SparseRows;
 pub use validation::{CrossValidation, cross_validate};

@@ -1,20 +1,20 @@
-//! faer's LSMR applied to compressed rows, with columns scaled to unit length.
+//! faer's LSMR applied matrix-free, with columns scaled to unit length.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::matrix_free::lsmr::{LsmrParams, lsmr, lsmr_scratch};
 use faer::matrix_free::{BiLinOp, IdentityPrecond, InitialGuessStatus, LinOp};
 use faer::{Mat, MatMut, MatRef, Par};
 
+use crate::LinearSystem;
 use crate::solver::Iterated;
-use crate::sparse_rows::SparseRows;
 
 /// Stop where the least-squares gradient has fallen to this share of its start.
 const TOLERANCE: f64 = 1e-14;
 
-pub(crate) fn solve(matrix: &SparseRows, side: &[f64]) -> Iterated {
+pub(crate) fn solve(matrix: &LinearSystem, side: &[f64]) -> Iterated {
     let scale = matrix.column_norms_sq().iter().map(|n| 1.0 / n.sqrt()).collect();
     let operator = Scaled { matrix, scale };
-    let (rows, columns) = (matrix.row_count(), matrix.column_count());
+    let (rows, columns) = (matrix.row_count(), matrix.unknowns());
     let identity = IdentityPrecond { dim: columns };
     let rhs = Mat::from_fn(rows, 1, |row, _| side[row]);
     let mut out = Mat::zeros(columns, 1);
@@ -53,7 +53,7 @@ pub(crate) fn solve(matrix: &SparseRows, side: &[f64]) -> Iterated {
 /// A · diag(scale).
 #[derive(Debug)]
 struct Scaled<'a> {
-    matrix: &'a SparseRows,
+    matrix: &'a LinearSystem,
     scale: Vec<f64>,
 }
 
@@ -67,7 +67,7 @@ impl LinOp<f64> for Scaled<'_> {
     }
 
     fn ncols(&self) -> usize {
-        self.matrix.column_count()
+        self.matrix.unknowns()
     }
 
     fn apply(

@@ -5,18 +5,18 @@
 //! right Lanczos vectors coincide and one product with the matrix per step is enough; the diagonal
 //! is scaled to 1 beforehand, which keeps the symmetry.
 
+use crate::LinearSystem;
 use crate::solver::Iterated;
-use crate::sparse_rows::SparseRows;
 
 /// Stop where ‖Aᵀ(y − A x)‖ has fallen to this share of ‖Aᵀ y‖.
 const TOLERANCE: f64 = 1e-14;
 
-pub(crate) fn solve(matrix: &SparseRows, side: &[f64]) -> Iterated {
+pub(crate) fn solve(matrix: &LinearSystem, side: &[f64]) -> Iterated {
     let scale: Vec<f64> = matrix.column_norms_sq().iter().map(|n| 1.0 / n.sqrt()).collect();
     let scaled = |x: &[f64]| -> Vec<f64> { x.iter().zip(&scale).map(|(x, s)| x * s).collect() };
     let apply = |x: &[f64]| scaled(&matrix.apply_transposed(&matrix.apply(&scaled(x))));
 
-    let unknowns = matrix.column_count();
+    let unknowns = matrix.unknowns();
     let mut x = vec![0.0; unknowns];
     let mut residual = scaled(&matrix.apply_transposed(side));
     let start = norm(&residual);

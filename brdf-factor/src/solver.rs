@@ -1,12 +1,9 @@
 //! Three ways to solve min ‖A x − y‖ for several right-hand sides.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt;
-use faer::{Mat, Par};
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::sparse_rows::SparseRows;
-use crate::{FactorError, lsmr, qmr};
+use crate::{FactorError, LinearSystem, NormalEquations, lsmr, qmr};
 
 /// How the least-squares problem is solved. All agree to 1e-8 in what the solution predicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,11 +44,11 @@ impl Solver {
     /// # Errors
     ///
     /// [`FactorError::Singular`]; [`FactorError::TooManyUnknowns`] for [`Solver::Cholesky`].
-    pub fn solve(self, matrix: &SparseRows, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
+    pub fn solve(self, system: &LinearSystem, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
         match self {
-            Self::Cholesky => cholesky(matrix, sides),
-            Self::Lsmr => Ok(iterate(sides, |side| lsmr::solve(matrix, side))),
-            Self::Qmr => Ok(iterate(sides, |side| qmr::solve(matrix, side))),
+            Self::Cholesky => cholesky(system, sides),
+            Self::Lsmr => Ok(iterate(sides, |side| lsmr::solve(system, side))),
+            Self::Qmr => Ok(iterate(sides, |side| qmr::solve(system, side))),
         }
     }
 }
@@ -74,36 +71,16 @@ fn iterate(sides: &[Vec<f64>], mut solve: impl FnMut(&[f64]) -> Iterated) -> Sol
     solution
 }
 
-fn cholesky(matrix: &SparseRows, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
-    let unknowns = matrix.column_count();
+fn cholesky(system: &LinearSystem, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
+    let unknowns = system.unknowns();
     if unknowns > Solver::MAX_DENSE {
         return Err(FactorError::TooManyUnknowns { unknowns, max: Solver::MAX_DENSE });
     }
-    // One thread, so that the result does not depend on how many there are.
-    let par = Par::Seq;
-    let mut factor = matrix.gram();
-    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(unknowns, par, Default::default());
-    llt::factor::cholesky_in_place(
-        factor.as_mut(),
-        Default::default(),
-        par,
-        MemStack::new(&mut MemBuffer::new(scratch)),
-        Default::default(),
-    )
-    .map_err(|error| match error {
-        llt::factor::LltError::NonPositivePivot { index } => {
-            FactorError::Singular { unknowns, pivot: index }
-        }
-    })?;
-    let projected: Vec<Vec<f64>> = sides.iter().map(|side| matrix.apply_transposed(side)).collect();
+    let equations = NormalEquations::new(system.columns().to_vec(), system.weights());
+    let factor = equations.factorize()?;
+    let projected: Vec<Vec<f64>> = sides.iter().map(|side| system.apply_transposed(side)).collect();
     let mut x = Mat::from_fn(unknowns, sides.len(), |row, column| projected[column][row]);
-    let scratch = llt::solve::solve_in_place_scratch::<f64>(unknowns, sides.len(), par);
-    llt::solve::solve_in_place(
-        factor.as_ref(),
-        x.as_mut(),
-        par,
-        MemStack::new(&mut MemBuffer::new(scratch)),
-    );
+    factor.solve_in_place(x.as_mut());
     let values = (0..sides.len()).map(|c| x.col(c).iter().copied().collect()).collect();
     Ok(Solution { values, iterations: 0, converged: true })
 }

@@ -230,7 +230,7 @@ impl SampleSet {
     pub fn thinned(&self, count: usize) -> Self {
         let count = count.min(self.len());
         let keep: Vec<usize> = (0..count).map(|i| i * self.len() / count.max(1)).collect();
-        Self { dropped: self.dropped, clamped: self.clamped, ..self.subset(&keep) }
+        self.rearranged(&keep)
     }
 
     /// The light comes from one azimuth throughout, to 0.1°, so that the samples cannot tell whether
@@ -258,6 +258,16 @@ impl SampleSet {
             dropped: Dropped::default(),
             clamped: 0,
         }
+    }
+
+    /// The samples in the order of these indices; what was dropped before stays counted.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range.
+    #[must_use]
+    pub fn rearranged(&self, order: &[usize]) -> Self {
+        Self { dropped: self.dropped, clamped: self.clamped, ..self.subset(order) }
     }
 
     /// The same samples as luminance; a set of one channel stays as it is.

@@ -1,0 +1,350 @@
+//! The columns of the design matrix that belong to one factor: where every sample reads its
+//! texture, and how the texture is smoothed.
+
+use crate::coordinate::Reading;
+use crate::{Coordinate, Factor, FactorDescription, Problem};
+
+/// Every texel is also pulled towards zero, with this share of the mean weight per texel: enough
+/// to settle what the samples leave open (constants moving between factors), too little to show.
+const RIDGE: f64 = 1e-7;
+
+/// Where a sample reads a texture: two texels of one row, two of the next, and the way between.
+///
+/// Unknowns are numbered row by row and an image is convex, so each pair of texels is a pair of
+/// consecutive unknowns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tap {
+    /// Unknown of the nearer texel of the lower row; its neighbour follows.
+    low: u32,
+    /// The same in the upper row; in one dimension the lower one again.
+    high: u32,
+    /// Way from texel to texel along a row, [0, 1].
+    u: f64,
+    /// Way from row to row, [0, 1]; 0 in one dimension.
+    v: f64,
+}
+
+impl Tap {
+    /// First unknowns of the two pairs.
+    pub(crate) fn pairs(&self) -> [usize; 2] {
+        [self.low as usize, self.high as usize]
+    }
+
+    /// Weights of the two pairs.
+    pub(crate) fn weights(&self) -> [[f64; 2]; 2] {
+        let (u, v) = (self.u, self.v);
+        [[(1.0 - u) * (1.0 - v), u * (1.0 - v)], [(1.0 - u) * v, u * v]]
+    }
+
+    fn corners(&self, x: &[f64]) -> [[f64; 2]; 2] {
+        self.pairs().map(|first| [x[first], x[first + 1]])
+    }
+
+    fn read(&self, x: &[f64]) -> f64 {
+        let [[a, b], [c, d]] = self.corners(x);
+        let (low, high) = (a + self.u * (b - a), c + self.u * (d - c));
+        low + self.v * (high - low)
+    }
+
+    /// Slope along and across rows, per texel.
+    fn slope(&self, x: &[f64]) -> [f64; 2] {
+        let [[a, b], [c, d]] = self.corners(x);
+        let across = [c - a, d - b];
+        [
+            (b - a) + self.v * ((d - c) - (b - a)),
+            across[0] + self.u * (across[1] - across[0]),
+        ]
+    }
+}
+
+/// One factor's part of A.
+#[derive(Clone, Debug)]
+pub struct Columns {
+    description: FactorDescription,
+    /// For each texel, its unknown.
+    unknown_of: Vec<Option<u32>>,
+    /// For each unknown, the unknowns of its texel's neighbours.
+    neighbours: Vec<Neighbours>,
+    /// For each coordinate, one entry per sample.
+    taps: Vec<Vec<Tap>>,
+    /// Weight of a texel's Laplacian, and of the texel itself.
+    smoothing: f64,
+    ridge: f64,
+    /// Texels per unit of texture coordinates.
+    texels_per_unit: f64,
+}
+
+/// Up to four unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+struct Neighbours {
+    unknowns: [u32; 4],
+    count: usize,
+}
+
+impl Neighbours {
+    fn iter(&self) -> impl Iterator<Item = usize> + '_ {
+        self.unknowns[..self.count].iter().map(|&unknown| unknown as usize)
+    }
+}
+
+impl Columns {
+    pub(crate) fn new(problem: &Problem, factor: &Factor) -> Self {
+        let grid = factor.grid();
+        let mut unknowns = 0;
+        let unknown_of: Vec<Option<u32>> = factor
+            .mask()
+            .into_iter()
+            .map(|masked| {
+                masked.then(|| {
+                    unknowns += 1;
+                    unknowns - 1
+                })
+            })
+            .collect();
+        let neighbours = (0..grid.texels())
+            .filter(|&texel| unknown_of[texel].is_some())
+            .map(|texel| {
+                let mut found = Neighbours::default();
+                for unknown in grid.neighbours(texel).filter_map(|n| unknown_of[n]) {
+                    found.unknowns[found.count] = unknown;
+                    found.count += 1;
+                }
+                found
+            })
+            .collect();
+        let taps = factor
+            .coordinates()
+            .iter()
+            .map(|coordinate| taps(problem, factor, coordinate, &unknown_of))
+            .collect();
+        #[expect(clippy::cast_precision_loss, reason = "textures have at most a million texels")]
+        let (texels, last) = (grid.texels() as f64, (grid.size - 1) as f64);
+        let per_texel = problem.total_weight() / texels;
+        Self {
+            description: factor.description().clone(),
+            unknown_of,
+            neighbours,
+            taps,
+            smoothing: problem.params().smoothing * per_texel,
+            ridge: RIDGE * per_texel,
+            texels_per_unit: if grid.dimensions == 1 { last } else { 0.5 * last },
+        }
+    }
+
+    /// The coordinates that read the texture, and how they are scaled.
+    pub fn description(&self) -> &FactorDescription {
+        &self.description
+    }
+
+    /// Number of texels that are solved for.
+    pub fn unknowns(&self) -> usize {
+        self.neighbours.len()
+    }
+
+    /// The texels from a solution; texels outside the mask are `None`.
+    pub fn texels<'a>(&'a self, solution: &'a [f64]) -> impl Iterator<Item = Option<f64>> + 'a {
+        self.unknown_of.iter().map(|unknown| unknown.map(|u| solution[u as usize]))
+    }
+
+    /// A channel of a factor's own texels, as a solution would give them.
+    pub fn texels_of(&self, factor: &Factor, channel: usize) -> Vec<f64> {
+        let masked = factor.texels().iter().zip(&self.unknown_of).filter(|(_, u)| u.is_some());
+        masked.map(|(texel, _)| f64::from(texel[channel])).collect()
+    }
+
+    /// Texels that no sample of positive weight touches.
+    pub fn untouched_texels(&self, weights: &[f64]) -> Vec<usize> {
+        let mut touched = vec![false; self.unknowns()];
+        for taps in &self.taps {
+            for (tap, _) in taps.iter().zip(weights).filter(|&(_, &weight)| weight > 0.0) {
+                for (first, pair) in tap.pairs().into_iter().zip(tap.weights()) {
+                    touched[first] |= pair[0] > 0.0;
+                    touched[first + 1] |= pair[1] > 0.0;
+                }
+            }
+        }
+        let is_free = |unknown: &Option<u32>| unknown.is_some_and(|u| !touched[u as usize]);
+        (0..self.unknown_of.len()).filter(|&texel| is_free(&self.unknown_of[texel])).collect()
+    }
+
+    /// For each coordinate, where every sample reads.
+    pub(crate) fn taps(&self) -> &[Vec<Tap>] {
+        &self.taps
+    }
+
+    /// Adds what these texels give for every sample.
+    pub fn add_values(&self, texels: &[f64], values: &mut [f64]) {
+        for taps in &self.taps {
+            for (value, tap) in values.iter_mut().zip(taps) {
+                *value += tap.read(texels);
+            }
+        }
+    }
+
+    /// Adds Aᵀ y.
+    pub fn add_transposed(&self, y: &[f64], out: &mut [f64]) {
+        for taps in &self.taps {
+            for (tap, &value) in taps.iter().zip(y) {
+                for (first, pair) in tap.pairs().into_iter().zip(tap.weights()) {
+                    out[first] += pair[0] * value;
+                    out[first + 1] += pair[1] * value;
+                }
+            }
+        }
+    }
+
+    /// Slopes of the texture at every sample as one coordinate reads it, per unit of texture
+    /// coordinates.
+    pub fn slopes<'a>(
+        &'a self,
+        coordinate: usize,
+        texels: &'a [f64],
+    ) -> impl ExactSizeIterator<Item = [f64; 2]> + 'a {
+        let scale = self.texels_per_unit;
+        self.taps[coordinate].iter().map(move |tap| tap.slope(texels).map(|slope| scale * slope))
+    }
+
+    /// Adds Aᵀ W Y for a matrix Y of `width` columns, row by row: the products of every texel with
+    /// several values per sample at once.
+    pub fn add_transposed_rows(&self, weights: &[f64], y: &[f64], width: usize, out: &mut [f64]) {
+        for taps in &self.taps {
+            pulp::Arch::new().dispatch(AddRows { taps, weights, y, width, out });
+        }
+    }
+
+    /// Laplacian and ridge rows applied to texels: the part of A below the samples.
+    pub(crate) fn regularized(&self, texels: &[f64]) -> Vec<f64> {
+        let (smoothing, ridge) = (self.smoothing.sqrt(), self.ridge.sqrt());
+        let laplacian = self.neighbours.iter().zip(texels).map(|(around, own)| {
+            smoothing * around.iter().map(|n| texels[n] - own).sum::<f64>()
+        });
+        laplacian.chain(texels.iter().map(|x| ridge * x)).collect()
+    }
+
+    /// Adds the transpose of [`Columns::regularized`].
+    pub(crate) fn add_regularized_transposed(&self, y: &[f64], out: &mut [f64]) {
+        let (smoothing, ridge) = (self.smoothing.sqrt(), self.ridge.sqrt());
+        let (laplacian, own) = y.split_at(self.unknowns());
+        for (unknown, (around, value)) in self.neighbours.iter().zip(laplacian).enumerate() {
+            for neighbour in around.iter() {
+                out[neighbour] += smoothing * value;
+                out[unknown] -= smoothing * value;
+            }
+        }
+        for (out, value) in out.iter_mut().zip(own) {
+            *out += ridge * value;
+        }
+    }
+
+    /// Calls `entry` with every non-zero entry (row, column, value) of LᵀL + ridge.
+    pub(crate) fn for_each_regularizer(&self, mut entry: impl FnMut(usize, usize, f64)) {
+        for (unknown, around) in self.neighbours.iter().enumerate() {
+            let degree: f64 = around.iter().map(|_| 1.0).sum();
+            entry(unknown, unknown, self.smoothing * degree * degree + self.ridge);
+            for a in around.iter() {
+                entry(a, unknown, -self.smoothing * degree);
+                entry(unknown, a, -self.smoothing * degree);
+                for b in around.iter() {
+                    entry(a, b, self.smoothing);
+                }
+            }
+        }
+    }
+
+    /// Squared length of every column, of the samples and of what stands below them.
+    pub(crate) fn norms_sq(&self, weights: &[f64]) -> Vec<f64> {
+        let mut norms = vec![0.0; self.unknowns()];
+        self.for_each_regularizer(|row, column, value| {
+            if row == column {
+                norms[row] += value;
+            }
+        });
+        // A texel that two coordinates of a sample read counts with the square of its sum.
+        let mut sums: Vec<f64> = vec![0.0; self.unknowns()];
+        for (sample, &weight) in weights.iter().enumerate() {
+            let each = || self.taps.iter().map(|taps| &taps[sample]);
+            let entries = || {
+                each().flat_map(|tap| {
+                    let pairs = tap.pairs().into_iter().zip(tap.weights());
+                    pairs.flat_map(|(first, pair)| [(first, pair[0]), (first + 1, pair[1])])
+                })
+            };
+            entries().for_each(|(unknown, value)| sums[unknown] += value);
+            for (unknown, _) in entries() {
+                let sum = std::mem::take(&mut sums[unknown]);
+                norms[unknown] += weight * sum * sum;
+            }
+        }
+        norms
+    }
+}
+
+/// The loop of [`Columns::add_transposed_rows`], compiled once for each instruction set.
+struct AddRows<'a> {
+    taps: &'a [Tap],
+    weights: &'a [f64],
+    y: &'a [f64],
+    width: usize,
+    out: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { taps, weights, y, width, out } = self;
+        for ((tap, row), &weight) in taps.iter().zip(y.chunks_exact(width)).zip(weights) {
+            for (first, pair) in tap.pairs().into_iter().zip(tap.weights()) {
+                let target = &mut out[first * width..][..2 * width];
+                let (near, far) = target.split_at_mut(width);
+                let (a, b) = (weight * pair[0], weight * pair[1]);
+                for ((near, far), &value) in near.iter_mut().zip(far).zip(row) {
+                    *near += a * value;
+                    *far += b * value;
+                }
+            }
+        }
+    }
+}
+
+/// Where each sample reads a factor by one of its coordinates.
+fn taps(
+    problem: &Problem,
+    factor: &Factor,
+    coordinate: &Coordinate,
+    unknown_of: &[Option<u32>],
+) -> Vec<Tap> {
+    let grid = factor.grid();
+    let size = grid.size;
+    // The mask holds every texel around a point of the image, so all are found.
+    let unknown = |texel: usize| unknown_of[texel].unwrap_or_default();
+    match coordinate.reading() {
+        Reading::Planar(plane) => {
+            #[expect(clippy::cast_precision_loss, reason = "at most 1024 texels a side")]
+            let middle = 0.5 * (size - 1) as f64;
+            let rows = plane.projection.scaled_by(factor.extent()).rows();
+            let [a, b] = rows.map(|row| (middle * row).to_array());
+            let dot = |r: &[f64; 4], p: &[f64; 4]| {
+                (r[0] * p[0] + r[1] * p[1]) + (r[2] * p[2] + r[3] * p[3])
+            };
+            problem
+                .points(plane.space)
+                .iter()
+                .map(|point| {
+                    let (column, u) = grid.cell(middle + dot(&a, point));
+                    let (row, v) = grid.cell(middle + dot(&b, point));
+                    let corner = row * size + column;
+                    Tap { low: unknown(corner), high: unknown(corner + size), u, v }
+                })
+                .collect()
+        }
+        Reading::Radial(_) => problem
+            .pairs()
+            .map(|pair| {
+                let (low, u) = grid.along(coordinate.locate(&pair, factor.extent()).x);
+                Tap { low: unknown(low), high: unknown(low), u, v: 0.0 }
+            })
+            .collect(),
+    }
+}

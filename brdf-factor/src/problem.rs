@@ -1,0 +1,305 @@
+//! Samples made ready for fitting: in an order that keeps neighbours together, with their
+//! coordinates, fitted values and weights.
+
+use std::sync::OnceLock;
+
+use brdf_model::{Dropped, SampleSet};
+use brdf_param::{DirectionPair, DiscRadii, Space, polar_angle};
+use glam::DVec3;
+
+use crate::coordinate::Reading;
+use crate::{
+    ChannelMap, Columns, Factor, FactorDescription, FactorError, FactorParams, FactorSpec, LogMap,
+    Weight,
+};
+
+/// What is fitted, whatever the coordinates.
+///
+/// Samples stand in Morton order of their standard coordinates, so that samples which follow each
+/// other read nearby texels under any projection; [`Problem::in_given_order`] undoes it.
+#[derive(Debug)]
+pub struct Problem {
+    params: FactorParams,
+    samples: SampleSet,
+    /// Place of every sample in the set that was handed in.
+    origin: Vec<usize>,
+    maps: Vec<ChannelMap>,
+    weights: Vec<f64>,
+    /// Fitted values of each channel.
+    targets: Vec<Vec<f64>>,
+    theta_max: f64,
+    spaces: [OnceLock<SpacePoints>; 2],
+}
+
+/// The coordinates of all samples in a space.
+#[derive(Debug)]
+struct SpacePoints {
+    points: Vec<[f64; 4]>,
+    radii: DiscRadii,
+}
+
+/// How far beyond the largest training radius a texture reaches, so that the outermost sample does
+/// not stand on the very rim.
+const RADIUS_MARGIN: f64 = 1.0001;
+/// A texture is at least this wide, in parabolic units.
+const SMALLEST_RADIUS: f64 = 1e-6;
+
+impl Problem {
+    /// The problem of fitting `samples`.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::NoSamples`], [`FactorError::Option`].
+    pub fn new(samples: &SampleSet, params: &FactorParams) -> Result<Self, FactorError> {
+        params.check()?;
+        let positive = (params.log_map == LogMap::Log).then(|| samples.positive());
+        let samples = positive.as_ref().unwrap_or(samples);
+        if samples.is_empty() {
+            return Err(FactorError::NoSamples { dropped: samples.dropped().to_string() });
+        }
+        let maps = ChannelMap::for_samples(params.log_map, samples);
+        let origin = morton_order(samples);
+        let sorted = samples.rearranged(&origin);
+        let weights = weights(&sorted, params.weight);
+        // The lowest direction is the one farthest from the normal.
+        let lowest = |a: DVec3, b: DVec3| if b.z < a.z { b } else { a };
+        let widest = polar_angle(
+            sorted.pairs().fold(DVec3::Z, |low, pair| lowest(low, lowest(pair.wi, pair.wo))),
+        );
+        // A single direction along the normal would leave no room at all.
+        let theta_max = params.theta_max.min(widest).max(1e-3);
+        Ok(Self::assemble(*params, sorted, origin, maps, weights, theta_max))
+    }
+
+    fn assemble(
+        params: FactorParams,
+        samples: SampleSet,
+        origin: Vec<usize>,
+        maps: Vec<ChannelMap>,
+        weights: Vec<f64>,
+        theta_max: f64,
+    ) -> Self {
+        let targets = maps
+            .iter()
+            .zip(samples.values())
+            .map(|(map, values)| values.iter().map(|&f| map.forward(f)).collect())
+            .collect();
+        let spaces = [OnceLock::new(), OnceLock::new()];
+        Self { params, samples, origin, maps, weights, targets, theta_max, spaces }
+    }
+
+    /// The same problem over at most `count` of its samples, evenly spread over the order in which
+    /// they were handed in. Log maps and scales stay those of the whole problem.
+    #[must_use]
+    pub fn thinned(&self, count: usize) -> Self {
+        let total = self.len();
+        let count = count.clamp(1, total);
+        let mut chosen = vec![false; 1 + self.origin.iter().copied().max().unwrap_or(0)];
+        (0..count).for_each(|i| chosen[i * total / count] = true);
+        let keep: Vec<usize> = (0..total).filter(|&at| chosen[self.origin[at]]).collect();
+        let origin = keep.iter().map(|&at| self.origin[at]).collect();
+        let weights = keep.iter().map(|&at| self.weights[at]).collect();
+        let samples = self.samples.subset(&keep);
+        let thinned =
+            Self::assemble(self.params, samples, origin, self.maps.clone(), weights, self.theta_max);
+        for (mine, theirs) in thinned.spaces.iter().zip(&self.spaces) {
+            if let Some(whole) = theirs.get() {
+                let points = keep.iter().map(|&at| whole.points[at]).collect();
+                mine.get_or_init(|| SpacePoints { points, radii: whole.radii });
+            }
+        }
+        thinned
+    }
+
+    /// The same problem with at least this much smoothing.
+    #[must_use]
+    pub fn smoothed(mut self, mu: f64) -> Self {
+        self.params.smoothing = self.params.smoothing.max(mu);
+        self
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// There are none; [`Problem::new`] refuses that.
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+
+    /// Options of the fit.
+    pub fn params(&self) -> &FactorParams {
+        &self.params
+    }
+
+    /// The log map of each channel.
+    pub fn maps(&self) -> &[ChannelMap] {
+        &self.maps
+    }
+
+    /// The fitted values of each channel, dimensionless.
+    pub fn targets(&self) -> &[Vec<f64>] {
+        &self.targets
+    }
+
+    /// The samples' values of each channel, sr⁻¹.
+    pub fn values(&self) -> &[Vec<f64>] {
+        self.samples.values()
+    }
+
+    /// One weight ≥ 0 per sample, shared by all channels.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Sum of the weights.
+    pub fn total_weight(&self) -> f64 {
+        self.weights.iter().sum()
+    }
+
+    /// The largest angle to the normal that the model will be evaluated at, radians.
+    pub fn theta_max(&self) -> f64 {
+        self.theta_max
+    }
+
+    /// What was dropped, before the fit and by the log map.
+    pub fn dropped(&self) -> Dropped {
+        self.samples.dropped()
+    }
+
+    /// Samples with a negative channel that was set to 0.
+    pub fn clamped(&self) -> usize {
+        self.samples.clamped()
+    }
+
+    /// The pairs.
+    pub fn pairs(&self) -> impl ExactSizeIterator<Item = DirectionPair> + '_ {
+        self.samples.pairs()
+    }
+
+    /// Coordinates of every sample in a space: first.x, first.y, second.x, second.y.
+    pub fn points(&self, space: Space) -> &[[f64; 4]] {
+        &self.space(space).points
+    }
+
+    /// One value per sample, brought back to the order in which the samples were handed in.
+    pub fn in_given_order(&self, values: &[f64]) -> Vec<f64> {
+        let mut places: Vec<usize> = (0..self.len()).collect();
+        places.sort_unstable_by_key(|&at| self.origin[at]);
+        places.into_iter().map(|at| values[at]).collect()
+    }
+
+    /// A factor without texel values, scaled to the samples.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::TextureSize`], [`FactorError::Factors`].
+    pub fn empty_factor(&self, spec: &FactorSpec, size: usize) -> Result<Factor, FactorError> {
+        let none = DiscRadii { first: SMALLEST_RADIUS, second: SMALLEST_RADIUS };
+        let largest = spec
+            .coordinates
+            .iter()
+            .map(|coordinate| match coordinate.reading() {
+                Reading::Planar(plane) => plane.radii(self.space(plane.space).radii),
+                Reading::Radial(_) => coordinate.largest_radii(self.samples.pairs()),
+            })
+            .fold(none, DiscRadii::max);
+        let radii = DiscRadii {
+            first: RADIUS_MARGIN * largest.first,
+            second: RADIUS_MARGIN * largest.second,
+        };
+        Factor::new(FactorDescription::new(&spec.coordinates, size, self.params.bound, radii)?, None)
+    }
+
+    /// The columns of the design matrix that belong to a factor.
+    pub fn columns(&self, factor: &Factor) -> Columns {
+        Columns::new(self, factor)
+    }
+
+    fn space(&self, space: Space) -> &SpacePoints {
+        let slot = match space {
+            Space::Standard => &self.spaces[0],
+            Space::HalfDifference => &self.spaces[1],
+        };
+        slot.get_or_init(|| {
+            let mut radii = DiscRadii { first: 0.0, second: 0.0 };
+            let points = self
+                .samples
+                .pairs()
+                .map(|pair| {
+                    let at = space.coordinates(&pair);
+                    let (first, second) = (at.first.length(), at.second.length());
+                    radii = radii.max(DiscRadii { first, second });
+                    [at.first.x, at.first.y, at.second.x, at.second.y]
+                })
+                .collect();
+            SpacePoints { points, radii }
+        })
+    }
+}
+
+/// One weight per sample, the same for all channels, so that one matrix serves them all.
+fn weights(samples: &SampleSet, weight: Weight) -> Vec<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "one or three channels")]
+    let channels = samples.values().len() as f64;
+    let mean = |index: usize| samples.values().iter().map(|c| c[index]).sum::<f64>() / channels;
+    let weights: Vec<f64> = (0..samples.len())
+        .map(|index| match weight {
+            Weight::Log => 1.0,
+            Weight::F => mean(index),
+            Weight::F2 => mean(index).powi(2),
+        })
+        .collect();
+    // A material that is black everywhere has nothing to weight by.
+    if weights.iter().any(|&w| w > 0.0) { weights } else { vec![1.0; samples.len()] }
+}
+
+/// Indices of the samples along a Morton curve through their standard coordinates.
+fn morton_order(samples: &SampleSet) -> Vec<usize> {
+    let mut keyed: Vec<(u64, usize)> = samples
+        .pairs()
+        .enumerate()
+        .map(|(index, pair)| {
+            let at = Space::Standard.coordinates(&pair);
+            (morton_key([at.first.x, at.first.y, at.second.x, at.second.y]), index)
+        })
+        .collect();
+    keyed.sort_unstable();
+    keyed.into_iter().map(|(_, index)| index).collect()
+}
+
+/// Bits of four coordinates in [−1, 1], interleaved.
+fn morton_key(point: [f64; 4]) -> u64 {
+    const BITS: u32 = 8;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
+    let cells = point.map(|x| (128.0 * (x + 1.0)).clamp(0.0, 255.0) as u64);
+    let mut key = 0;
+    for bit in (0..BITS).rev() {
+        for cell in cells {
+            key = key << 1 | (cell >> bit & 1);
+        }
+    }
+    key
+}
+
+#[cfg(test)]
+mod tests {
+    use brdf_model::{Channels, PairSampling, Preset};
+
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_scales_and_the_given_order_returns() {
+        let sampling = PairSampling { count: 500, seed: 1, theta_max: 1.2 };
+        let samples =
+            SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Luminance);
+        let problem = Problem::new(&samples, &FactorParams::default()).unwrap();
+        let radius = problem.space(Space::HalfDifference).radii;
+        assert_eq!(problem.in_given_order(&problem.values()[0]), samples.values()[0]);
+        let thin = problem.thinned(50);
+        assert_eq!((thin.len(), thin.space(Space::HalfDifference).radii), (50, radius));
+        let every_tenth: Vec<f64> = samples.values()[0].iter().step_by(10).copied().collect();
+        assert_eq!(thin.in_given_order(&thin.values()[0]), every_tenth);
+    }
+}

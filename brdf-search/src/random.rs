@@ -1,0 +1,52 @@
+//! Reproducible random planes and rotations.
+
+use std::f64::consts::TAU;
+
+use brdf_param::Projection;
+use rand_core::{Rng as _, SeedableRng as _};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// A generator that belongs to one start of one stage, so that starts may run in any order.
+#[derive(Clone, Debug)]
+pub(crate) struct StartRng(Xoshiro256PlusPlus);
+
+impl StartRng {
+    /// The generator of a start.
+    pub(crate) fn new(seed: u64, stage: u64, start: u64) -> Self {
+        let mixed = seed
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .wrapping_add(stage.wrapping_mul(0xbf58_476d_1ce4_e5b9))
+            .wrapping_add(start.wrapping_mul(0x94d0_49bb_1331_11eb));
+        Self(Xoshiro256PlusPlus::seed_from_u64(mixed))
+    }
+
+    /// Four independent normal numbers: a uniformly distributed direction in four dimensions.
+    pub(crate) fn normal4(&mut self) -> [f64; 4] {
+        let [a, b] = self.normal_pair();
+        let [c, d] = self.normal_pair();
+        [a, b, c, d]
+    }
+
+    /// A uniformly distributed plane, in a uniformly distributed frame.
+    pub(crate) fn projection(&mut self) -> Projection {
+        loop {
+            // Dependent rows have probability 0.
+            if let Ok(projection) = Projection::from_rows(self.normal4(), self.normal4()) {
+                return projection;
+            }
+        }
+    }
+
+    /// Two independent normal numbers (Box and Muller 1958).
+    fn normal_pair(&mut self) -> [f64; 2] {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        let (sin, cos) = (TAU * self.uniform()).sin_cos();
+        [radius * cos, radius * sin]
+    }
+
+    fn uniform(&mut self) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "53 bits fit a f64 exactly")]
+        let bits = (self.0.next_u64() >> 11) as f64;
+        bits / 9_007_199_254_740_992.0
+    }
+}

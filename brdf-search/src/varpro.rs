@@ -1,0 +1,435 @@
+//! Variable projection: the error as a function of the projections alone, its derivatives, and
+//! Levenberg–Marquardt steps.
+//!
+//! For given projections the textures are a linear least-squares problem, so the error is a
+//! function of the projections, and ∂E/∂P = 2 rᵀ (∂B/∂P) y at the solved textures y: bilinear
+//! weights are piecewise differentiable. Steps use Kaufman's form of the Gauss–Newton matrix,
+//! derivatives of the prediction with what textures can absorb projected out.
+//!
+//! Source: G. H. Golub and V. Pereyra, "The differentiation of pseudo-inverses and nonlinear least
+//! squares problems whose variables separate", SIAM J. Numerical Analysis 10, 1973; L. Kaufman, "A
+//! variable projection method for solving separable nonlinear least squares problems", BIT 15, 1975.
+
+use std::sync::Arc;
+
+use brdf_factor::{
+    CholeskyFactor, Columns, Coordinate, FactorDescription, FactorError, FactorSpec, NormalEquations, Problem,
+};
+use brdf_param::{Projection, Space};
+use faer::{Mat, MatRef, Par};
+use glam::DVec4;
+use rayon::prelude::*;
+
+use crate::control::Monitor;
+use crate::tangent::{DIRECTIONS, Tangent, extent_gradient};
+
+/// Samples and texture size at which sets of projections are compared, and the factors that stand
+/// beside the searched ones.
+#[derive(Debug)]
+pub(crate) struct Level<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) size: usize,
+    pub(crate) space: Space,
+    pub(crate) reciprocal: bool,
+    fixed: NormalEquations,
+    /// Weighted fitted values of each channel.
+    weighted_targets: Vec<Vec<f64>>,
+    weight_roots: Vec<f64>,
+    /// Σ w y² over samples and channels.
+    target_energy: f64,
+    /// Number by which sums over samples and channels become means.
+    scale: f64,
+}
+
+/// A set of projections with its textures solved for.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved {
+    pub(crate) projections: Vec<Projection>,
+    equations: NormalEquations,
+    factor: CholeskyFactor,
+    /// One solution per channel.
+    textures: Vec<Vec<f64>>,
+    /// Weighted mean square log residual, plus the smoothing terms.
+    pub(crate) energy: f64,
+}
+
+/// A set of projections on its way to a minimum.
+#[derive(Clone, Debug)]
+pub(crate) struct Descent {
+    pub(crate) set: Solved,
+    /// Projections at the head of the set that stay.
+    held: usize,
+    damping: f64,
+    /// Nothing more is to be gained.
+    pub(crate) converged: bool,
+}
+
+impl Descent {
+    /// Of all projections but the first `held`.
+    pub(crate) fn new(set: Solved, held: usize) -> Self {
+        let converged = set.projections.len() <= held;
+        Self { set, held, damping: FIRST_DAMPING, converged }
+    }
+}
+
+/// No step turns a plane further than this, radians: derivatives hold within a few texels.
+const LONGEST_STEP: f64 = 0.5;
+/// Damping of the first step, relative to the diagonal.
+const FIRST_DAMPING: f64 = 1e-2;
+/// Damping after a step that lowered the error, never below the least, and after one that did not.
+const RELAX: f64 = 0.2;
+const LEAST_DAMPING: f64 = 1e-7;
+const TIGHTEN: f64 = 8.0;
+/// Steps that raise the error before giving up.
+const REJECTIONS: usize = 5;
+
+impl<'a> Level<'a> {
+    pub(crate) fn new(
+        problem: &'a Problem,
+        size: usize,
+        (space, reciprocal): (Space, bool),
+        fixed: &[FactorSpec],
+    ) -> Result<Self, FactorError> {
+        let columns: Result<Vec<Arc<Columns>>, FactorError> = fixed
+            .iter()
+            .map(|spec| Ok(Arc::new(problem.columns(&problem.empty_factor(spec, size)?))))
+            .collect();
+        let weights = problem.weights();
+        let weighted = |targets: &Vec<f64>| -> Vec<f64> {
+            targets.iter().zip(weights).map(|(y, w)| y * w).collect()
+        };
+        let weighted_targets: Vec<Vec<f64>> = problem.targets().iter().map(weighted).collect();
+        let energy = |(y, wy): (&Vec<f64>, &Vec<f64>)| dot(y, wy);
+        #[expect(clippy::cast_precision_loss, reason = "one or three channels")]
+        let channels = problem.targets().len() as f64;
+        Ok(Self {
+            problem,
+            size,
+            space,
+            reciprocal,
+            fixed: NormalEquations::new(columns?, weights),
+            target_energy: problem.targets().iter().zip(&weighted_targets).map(energy).sum(),
+            weighted_targets,
+            weight_roots: weights.iter().map(|w| w.sqrt()).collect(),
+            scale: 1.0 / (problem.total_weight() * channels),
+        })
+    }
+
+    pub(crate) fn spec(&self, projection: Projection) -> FactorSpec {
+        let coordinate = Coordinate::Projected { space: self.space, projection };
+        if self.reciprocal {
+            FactorSpec::reciprocal(coordinate)
+        } else {
+            FactorSpec::single(coordinate)
+        }
+    }
+
+    /// Solves for the textures of a set of projections.
+    pub(crate) fn solve(
+        &self,
+        projections: &[Projection],
+        monitor: &Monitor<'_>,
+    ) -> Result<Solved, FactorError> {
+        let columns: Result<Vec<Arc<Columns>>, FactorError> =
+            projections.par_iter().map(|&projection| self.columns(projection)).collect();
+        let equations = self.fixed.clone().with(columns?, self.problem.weights());
+        let factor = equations.factorize()?;
+        monitor.evaluated();
+        Ok(self.solve_factored(projections.to_vec(), equations, factor))
+    }
+
+    /// Solves for all textures after the projections from `held` on are replaced; what the others
+    /// share is taken from `known`.
+    pub(crate) fn solve_after(
+        &self,
+        known: &Solved,
+        held: usize,
+        moved: &[Projection],
+        monitor: &Monitor<'_>,
+    ) -> Result<Solved, FactorError> {
+        let kept = self.fixed.columns().len() + held;
+        let columns: Result<Vec<Arc<Columns>>, FactorError> =
+            moved.par_iter().map(|&projection| self.columns(projection)).collect();
+        let equations = known.equations.leading(kept).with(columns?, self.problem.weights());
+        let factor = equations.factorize_after(&known.factor, kept)?;
+        let projections = [&known.projections[..held], moved].concat();
+        monitor.evaluated();
+        Ok(self.solve_factored(projections, equations, factor))
+    }
+
+    fn columns(&self, projection: Projection) -> Result<Arc<Columns>, FactorError> {
+        let factor = self.problem.empty_factor(&self.spec(projection), self.size)?;
+        Ok(Arc::new(self.problem.columns(&factor)))
+    }
+
+    fn solve_factored(
+        &self,
+        projections: Vec<Projection>,
+        equations: NormalEquations,
+        factor: CholeskyFactor,
+    ) -> Solved {
+        let channels = self.weighted_targets.len();
+        let mut sides = Mat::<f64>::zeros(equations.unknowns(), channels);
+        for (channel, targets) in self.weighted_targets.iter().enumerate() {
+            if let Some(mut side) = sides.col_mut(channel).try_as_col_major_mut() {
+                let mut rest = side.as_slice_mut();
+                for columns in equations.columns() {
+                    let (own, others) = rest.split_at_mut(columns.unknowns());
+                    columns.add_transposed(targets, own);
+                    rest = others;
+                }
+            }
+        }
+        let mut solution = sides.clone();
+        factor.solve_in_place(solution.as_mut());
+        // At the minimum xᵀ(AᵀA)x = xᵀAᵀy, so that no pass over the samples is needed.
+        let explained: f64 = (0..channels)
+            .map(|c| sides.col(c).iter().zip(solution.col(c).iter()).map(|(a, b)| a * b).sum::<f64>())
+            .sum();
+        let energy = ((self.target_energy - explained) * self.scale).max(0.0);
+        let textures =
+            (0..channels).map(|c| solution.col(c).iter().copied().collect()).collect();
+        Solved { projections, equations, factor, textures, energy }
+    }
+
+    /// Takes up to `steps` Levenberg–Marquardt steps of all projections together, until one lowers
+    /// the error by less than the share `tolerance`.
+    pub(crate) fn descend(
+        &self,
+        descent: &mut Descent,
+        steps: usize,
+        tolerance: f64,
+        monitor: &Monitor<'_>,
+    ) -> Result<(), FactorError> {
+        for _ in 0..steps {
+            if descent.converged || monitor.stopped() {
+                break;
+            }
+            let before = descent.set.energy;
+            self.step(descent, monitor)?;
+            descent.converged |= before - descent.set.energy <= tolerance * before;
+        }
+        Ok(())
+    }
+
+    /// One step, damped more and more until it lowers the error; at a minimum no step does.
+    fn step(&self, descent: &mut Descent, monitor: &Monitor<'_>) -> Result<(), FactorError> {
+        let Descent { set, held, .. } = &*descent;
+        let local = self.linearize(set, *held);
+        for _ in 0..REJECTIONS {
+            let Descent { set, held, damping, .. } = &*descent;
+            let moved = local.step(&set.projections[*held..], *damping);
+            let trial = self.solve_after(set, *held, &moved, monitor)?;
+            if trial.energy < descent.set.energy {
+                descent.set = trial;
+                descent.damping = (RELAX * descent.damping).max(LEAST_DAMPING);
+                return Ok(());
+            }
+            descent.damping *= TIGHTEN;
+        }
+        descent.converged = true;
+        Ok(())
+    }
+
+    /// Derivatives at a solved set with respect to all projections but the first `held`.
+    pub(crate) fn linearize(&self, set: &Solved, held: usize) -> Linearized {
+        let tangents: Vec<Tangent> = set.projections[held..].iter().map(Tangent::at).collect();
+        let width = DIRECTIONS * tangents.len();
+        let mut matrix = Mat::<f64>::zeros(width, width);
+        let mut gradient = vec![0.0; width];
+        let mut diagonal = vec![0.0; width];
+        for (channel, texture) in set.textures.iter().enumerate() {
+            let residuals = self.weighted_residuals(set, channel);
+            let jacobian = self.jacobian(set, held, texture, &tangents);
+            let rows = self.problem.len();
+            let j = MatRef::from_row_major_slice(&jacobian, rows, width);
+            add_product(&mut matrix, j, j, 1.0);
+            for (at, diagonal) in diagonal.iter_mut().enumerate() {
+                *diagonal = matrix[(at, at)];
+            }
+            for (row, residual) in jacobian.chunks_exact(width).zip(&residuals) {
+                for (g, entry) in gradient.iter_mut().zip(row) {
+                    *g += entry * residual;
+                }
+            }
+            self.remove_absorbed(set, &jacobian, &mut matrix);
+        }
+        Linearized { tangents, matrix, diagonal, gradient, scale: self.scale }
+    }
+
+    /// Subtracts what textures can absorb: JᵀA (AᵀA)⁻¹ AᵀJ.
+    fn remove_absorbed(&self, set: &Solved, jacobian: &[f64], matrix: &mut Mat<f64>) {
+        let width = matrix.ncols();
+        let unknowns = set.equations.unknowns();
+        let mut products = vec![0.0; unknowns * width];
+        let mut rest = &mut products[..];
+        let mut parts = Vec::new();
+        for columns in set.equations.columns() {
+            let (own, others) = rest.split_at_mut(columns.unknowns() * width);
+            parts.push((columns, own));
+            rest = others;
+        }
+        parts.into_par_iter().for_each(|(columns, own)| {
+            columns.add_transposed_rows(&self.weight_roots, jacobian, width, own);
+        });
+        let products = MatRef::from_row_major_slice(&products, unknowns, width);
+        let mut absorbed = products.to_owned();
+        set.factor.solve_in_place(absorbed.as_mut());
+        add_product(matrix, products, absorbed.as_ref(), -1.0);
+    }
+
+    /// √w (prediction − target).
+    fn weighted_residuals(&self, set: &Solved, channel: usize) -> Vec<f64> {
+        let mut values = vec![0.0; self.problem.len()];
+        let mut rest = &set.textures[channel][..];
+        for columns in set.equations.columns() {
+            let (own, others) = rest.split_at(columns.unknowns());
+            columns.add_values(own, &mut values);
+            rest = others;
+        }
+        let targets = &self.problem.targets()[channel];
+        let rows = values.iter().zip(targets).zip(&self.weight_roots);
+        rows.map(|((value, target), root)| root * (value - target)).collect()
+    }
+
+    /// √w ∂(prediction)/∂(step along every tangent direction), row by row.
+    fn jacobian(
+        &self,
+        set: &Solved,
+        held: usize,
+        texture: &[f64],
+        tangents: &[Tangent],
+    ) -> Vec<f64> {
+        let width = DIRECTIONS * tangents.len();
+        let mut jacobian = vec![0.0; self.problem.len() * width];
+        let fixed = self.fixed.columns().len() + held;
+        let starts = set.equations.starts();
+        for (index, tangent) in tangents.iter().enumerate() {
+            let columns = &set.equations.columns()[fixed + index];
+            let own = &texture[starts[fixed + index]..starts[fixed + index + 1]];
+            for (coordinate, directions) in self.moved_coordinates(columns, tangent) {
+                let slopes = columns.slopes(coordinate, own);
+                let points = self.problem.points(self.space);
+                let rows = jacobian.chunks_exact_mut(width).zip(&self.weight_roots);
+                for (((row, root), slope), point) in rows.zip(slopes).zip(points) {
+                    let slope = slope.map(|s| root * s);
+                    let target = &mut row[DIRECTIONS * index..][..DIRECTIONS];
+                    for (entry, [du, dv]) in target.iter_mut().zip(&directions) {
+                        *entry += slope[0] * dot4(du, point) + slope[1] * dot4(dv, point);
+                    }
+                }
+            }
+        }
+        jacobian
+    }
+
+    /// For each coordinate of a searched factor, how its two scaled rows change along each tangent
+    /// direction: a texture coordinate is row · point / extent, and the extent moves too.
+    fn moved_coordinates(
+        &self,
+        columns: &Columns,
+        tangent: &Tangent,
+    ) -> Vec<(usize, [[[f64; 4]; 2]; DIRECTIONS])> {
+        let FactorDescription { coordinates, bound, radii, .. } = columns.description();
+        let extent = columns.description().extent.to_array();
+        let planes: Vec<[DVec4; 2]> = coordinates
+            .iter()
+            .filter_map(|coordinate| match coordinate {
+                Coordinate::Projected { projection, .. } => Some(projection.rows()),
+                _ => None,
+            })
+            .collect();
+        // The first coordinate is the projection, the second its conjugate; the conjugate's rows are
+        // the projection's with columns exchanged or negated.
+        let as_seen = |coordinate: usize, row: DVec4| match (coordinate, self.space) {
+            (0, _) => row,
+            (_, Space::Standard) => DVec4::new(row.z, row.w, row.x, row.y),
+            (_, Space::HalfDifference) => DVec4::new(row.x, row.y, -row.z, -row.w),
+        };
+        // The extent is that of the coordinate which reaches furthest.
+        let gradients: [DVec4; 2] = std::array::from_fn(|axis| {
+            let widest = planes.iter().enumerate().map(|(coordinate, rows)| {
+                let gradient = extent_gradient(rows[axis], *bound, *radii);
+                (gradient.dot(rows[axis]), as_seen(coordinate, gradient))
+            });
+            widest.fold((f64::MIN, DVec4::ZERO), |a, b| if b.0 > a.0 { b } else { a }).1
+        });
+        planes
+            .iter()
+            .enumerate()
+            .map(|(coordinate, rows)| {
+                let directions = tangent.rows().map(|moved| {
+                    std::array::from_fn(|axis| {
+                        let own = as_seen(coordinate, moved[axis]);
+                        let grown = gradients[axis].dot(moved[axis]) / extent[axis];
+                        ((own - grown * rows[axis]) / extent[axis]).to_array()
+                    })
+                });
+                (coordinate, directions)
+            })
+            .collect()
+    }
+}
+
+/// The error around a set of projections, to second order.
+#[derive(Debug)]
+pub(crate) struct Linearized {
+    tangents: Vec<Tangent>,
+    /// Kaufman's matrix, lower triangle and all.
+    matrix: Mat<f64>,
+    /// Diagonal before textures absorbed their part.
+    diagonal: Vec<f64>,
+    /// Jᵀr.
+    gradient: Vec<f64>,
+    scale: f64,
+}
+
+impl Linearized {
+    /// Derivatives of the energy along every tangent direction.
+    pub(crate) fn energy_gradient(&self) -> Vec<f64> {
+        self.gradient.iter().map(|g| 2.0 * self.scale * g).collect()
+    }
+
+    /// Projections after a damped step.
+    pub(crate) fn step(&self, projections: &[Projection], damping: f64) -> Vec<Projection> {
+        let width = self.gradient.len();
+        let floor = 1e-12 * self.diagonal.iter().copied().fold(0.0, f64::max) + f64::MIN_POSITIVE;
+        let damped = Mat::from_fn(width, width, |row, column| {
+            let extra = if row == column { damping * self.diagonal[row] + floor } else { 0.0 };
+            self.matrix[(row, column)] + extra
+        });
+        let mut side = Mat::from_fn(width, 1, |row, _| -self.gradient[row]);
+        // Without a positive definite matrix the gradient alone shows the way down.
+        match CholeskyFactor::new(damped) {
+            Ok(factor) => factor.solve_in_place(side.as_mut()),
+            Err(_) => {
+                for (row, diagonal) in self.diagonal.iter().enumerate() {
+                    side[(row, 0)] /= (1.0 + damping) * diagonal + floor;
+                }
+            }
+        }
+        let lengths: Vec<f64> = side.col(0).iter().copied().collect();
+        let each = projections.iter().zip(&self.tangents).zip(lengths.chunks_exact(DIRECTIONS));
+        each.map(|((projection, tangent), lengths)| {
+            let length = lengths.iter().map(|l| l * l).sum::<f64>().sqrt();
+            let shorten = if length > LONGEST_STEP { LONGEST_STEP / length } else { 1.0 };
+            let lengths: Vec<f64> = lengths.iter().map(|l| shorten * l).collect();
+            tangent.step(projection, &lengths)
+        })
+        .collect()
+    }
+}
+
+/// matrix += factor · aᵀ b.
+fn add_product(matrix: &mut Mat<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let accum = faer::Accum::Add;
+    faer::linalg::matmul::matmul(matrix.as_mut(), accum, a.transpose(), b, factor, Par::Seq);
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn dot4(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
