@@ -224,6 +224,12 @@ impl FactorSpec {
         }
     }
 
+    /// Light and viewer can be exchanged: the coordinates include the conjugate of each.
+    pub fn is_reciprocal(&self) -> bool {
+        let has = |wanted: Coordinate| self.coordinates.contains(&wanted);
+        self.coordinates.iter().all(|coordinate| has(coordinate.reciprocal_conjugate()))
+    }
+
     fn new(coordinate: Coordinate, reciprocal: bool) -> Self {
         if reciprocal { Self::reciprocal(coordinate) } else { Self::single(coordinate) }
     }

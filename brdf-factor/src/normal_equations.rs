@@ -7,7 +7,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, MatMut, Par};
+use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use crate::columns::Tap;
@@ -84,36 +84,18 @@ impl NormalEquations {
         Self { columns: self.columns[..count].to_vec(), blocks: self.blocks[..count].to_vec() }
     }
 
-    /// The lower triangle of the whole matrix; the rest is zero.
-    pub fn assemble(&self) -> Mat<f64> {
-        let (starts, unknowns) = (self.starts(), self.unknowns());
-        let mut whole = Mat::<f64>::zeros(unknowns, unknowns);
-        for (i, row) in self.blocks.iter().enumerate() {
-            for (j, block) in row.iter().enumerate() {
-                for (column, values) in block.values.chunks_exact(block.rows).enumerate() {
-                    let first = if i == j { column } else { 0 };
-                    let target = whole.as_mut().col_mut(starts[j] + column);
-                    let target = target.subrows_mut(starts[i] + first, block.rows - first);
-                    if let Some(target) = target.try_as_col_major_mut() {
-                        target.as_slice_mut().copy_from_slice(&values[first..]);
-                    }
-                }
-            }
-        }
-        whole
-    }
-
-    /// The Cholesky factor of the whole matrix.
+    /// The Cholesky factor of the whole matrix. It lives in `buffer`, whatever that held.
     ///
     /// # Errors
     ///
     /// [`FactorError::Singular`].
-    pub fn factorize(&self) -> Result<CholeskyFactor, FactorError> {
-        CholeskyFactor::new(self.assemble())
+    pub fn factorize(&self, buffer: Vec<f64>) -> Result<CholeskyFactor, FactorError> {
+        CholeskyFactor::of_trailing(self.assemble(0, buffer), self.unknowns(), 0)
     }
 
     /// The Cholesky factor of the whole matrix, given that of equations whose first `count` factors
-    /// are the same.
+    /// are the same. With A = (A₁₁ ·; A₂₁ A₂₂) and A₁₁ = L₁₁L₁₁ᵀ, L₂₁ = A₂₁L₁₁⁻ᵀ and L₂₂ is the factor of
+    /// A₂₂ − L₂₁L₂₁ᵀ.
     ///
     /// # Errors
     ///
@@ -122,27 +104,80 @@ impl NormalEquations {
         &self,
         known: &CholeskyFactor,
         count: usize,
+        buffer: Vec<f64>,
     ) -> Result<CholeskyFactor, FactorError> {
-        CholeskyFactor::continued(known, self.starts()[count], self.assemble())
+        let (size, done) = (self.unknowns(), self.starts()[count]);
+        let mut lower = self.assemble(count, buffer);
+        if done > 0 {
+            let whole = MatMut::from_column_major_slice_mut(&mut lower, size, size);
+            let (mut first, _, mut below, corner) = whole.split_at_mut(done, done);
+            let leading = known.lower().submatrix(0, 0, done, done);
+            first.copy_from_triangular_lower(leading);
+            solve_lower_triangular_in_place(leading, below.as_mut().transpose_mut(), Par::Seq);
+            triangular::matmul(
+                corner,
+                BlockStructure::TriangularLower,
+                Accum::Add,
+                below.as_ref(),
+                BlockStructure::Rectangular,
+                below.as_ref().transpose(),
+                BlockStructure::Rectangular,
+                -1.0,
+                Par::Seq,
+            );
+        }
+        CholeskyFactor::of_trailing(lower, size, done)
+    }
+
+    /// The lower triangle of the whole matrix, column by column, less the rows and columns of the
+    /// first `skipped` factors among themselves; everything else is left as it was.
+    fn assemble(&self, skipped: usize, mut buffer: Vec<f64>) -> Vec<f64> {
+        let (starts, size) = (self.starts(), self.unknowns());
+        buffer.resize(size * size, 0.0);
+        for (i, row) in self.blocks.iter().enumerate().skip(skipped) {
+            for (j, block) in row.iter().enumerate() {
+                for (column, values) in block.values.chunks_exact(block.rows).enumerate() {
+                    let first = if i == j { column } else { 0 };
+                    let start = (starts[j] + column) * size + starts[i];
+                    buffer[start + first..start + block.rows].copy_from_slice(&values[first..]);
+                }
+            }
+        }
+        buffer
     }
 }
 
-/// The lower Cholesky factor of a positive definite matrix.
+/// The lower Cholesky factor of a positive definite matrix, column by column; what lies above the
+/// diagonal means nothing.
 #[derive(Clone, Debug)]
-pub struct CholeskyFactor(Mat<f64>);
+pub struct CholeskyFactor {
+    size: usize,
+    values: Vec<f64>,
+}
 
 impl CholeskyFactor {
-    /// Of the matrix with this lower triangle.
+    /// Of the matrix with this lower triangle, given column by column.
     ///
     /// # Errors
     ///
     /// [`FactorError::Singular`] unless it is positive definite.
-    pub fn new(mut lower: Mat<f64>) -> Result<Self, FactorError> {
+    pub fn new(lower: Vec<f64>, size: usize) -> Result<Self, FactorError> {
+        Self::of_trailing(lower, size, 0)
+    }
+
+    /// The memory it lives in, to be used again.
+    pub fn into_buffer(self) -> Vec<f64> {
+        self.values
+    }
+
+    /// Factors what lies beyond the first `done` rows and columns, which are final already.
+    fn of_trailing(mut values: Vec<f64>, size: usize, done: usize) -> Result<Self, FactorError> {
         // One thread, so that the result does not depend on how many there are.
-        let (size, par) = (lower.nrows(), Par::Seq);
-        let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, par, Default::default());
+        let (rest, par) = (size - done, Par::Seq);
+        let scratch = llt::factor::cholesky_in_place_scratch::<f64>(rest, par, Default::default());
         llt::factor::cholesky_in_place(
-            lower.as_mut(),
+            MatMut::from_column_major_slice_mut(&mut values, size, size)
+                .submatrix_mut(done, done, rest, rest),
             Default::default(),
             par,
             MemStack::new(&mut MemBuffer::new(scratch)),
@@ -150,51 +185,21 @@ impl CholeskyFactor {
         )
         .map_err(|llt::factor::LltError::NonPositivePivot { index }| FactorError::Singular {
             unknowns: size,
-            pivot: index,
+            pivot: done + index,
         })?;
-        Ok(Self(lower))
+        Ok(Self { size, values })
     }
 
-    /// Of the matrix with this lower triangle, whose first `size` rows and columns are those of a
-    /// matrix that is factored already: with A = (A₁₁ ·; A₂₁ A₂₂) and A₁₁ = L₁₁L₁₁ᵀ, L₂₁ = A₂₁L₁₁⁻ᵀ and
-    /// L₂₂ is the factor of A₂₂ − L₂₁L₂₁ᵀ.
-    fn continued(known: &Self, size: usize, mut lower: Mat<f64>) -> Result<Self, FactorError> {
-        if size == 0 {
-            return Self::new(lower);
-        }
-        let par = Par::Seq;
-        let total = lower.nrows();
-        let leading = known.0.as_ref().submatrix(0, 0, size, size);
-        let (mut first, _, mut below, mut corner) = lower.as_mut().split_at_mut(size, size);
-        first.copy_from(leading);
-        solve_lower_triangular_in_place(leading, below.as_mut().transpose_mut(), par);
-        triangular::matmul(
-            corner.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            below.as_ref(),
-            BlockStructure::Rectangular,
-            below.as_ref().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            par,
-        );
-        let rest = Self::new(corner.to_owned()).map_err(|error| match error {
-            FactorError::Singular { pivot, .. } => {
-                FactorError::Singular { unknowns: total, pivot: size + pivot }
-            }
-            other => other,
-        })?;
-        corner.copy_from(rest.0);
-        Ok(Self(lower))
+    fn lower(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.values, self.size, self.size)
     }
 
     /// Replaces right-hand sides, one per column, by their solutions.
     pub fn solve_in_place(&self, sides: MatMut<'_, f64>) {
         let par = Par::Seq;
-        let scratch = llt::solve::solve_in_place_scratch::<f64>(self.0.nrows(), sides.ncols(), par);
+        let scratch = llt::solve::solve_in_place_scratch::<f64>(self.size, sides.ncols(), par);
         llt::solve::solve_in_place(
-            self.0.as_ref(),
+            self.lower(),
             sides,
             par,
             MemStack::new(&mut MemBuffer::new(scratch)),
@@ -221,16 +226,16 @@ impl Block {
     /// The products of a factor's columns with each other, and what smooths them.
     fn own(columns: &Columns, weights: &[f64]) -> Self {
         let size = columns.unknowns();
-        let mut half = Self::zeros(size, size);
+        let mut block = Self::zeros(size, size);
         for (index, rows) in columns.taps().iter().enumerate() {
             // Half of what is symmetric, and one of each pair that is not: the transpose gives the
             // rest.
-            half.add_products(rows, rows, weights, 0.5);
+            block.add_products(rows, rows, weights, 0.5);
             for other in &columns.taps()[index + 1..] {
-                half.add_products(rows, other, weights, 1.0);
+                block.add_products(rows, other, weights, 1.0);
             }
         }
-        let mut block = half.plus_transpose();
+        block.add_own_transpose();
         columns.for_each_regularizer(|row, column, value| {
             block.values[column * size + row] += value;
         });
@@ -243,18 +248,16 @@ impl Block {
         pulp::Arch::new().dispatch(AddProducts { block: self, rows, columns, weights, factor });
     }
 
-    fn plus_transpose(&self) -> Self {
+    fn add_own_transpose(&mut self) {
         let size = self.rows;
-        let mut sum = Self::zeros(size, size);
         for column in 0..size {
             for row in column..size {
-                let value =
-                    self.values[column * size + row] + self.values[row * size + column];
-                sum.values[column * size + row] = value;
-                sum.values[row * size + column] = value;
+                let (lower, upper) = (column * size + row, row * size + column);
+                let value = self.values[lower] + self.values[upper];
+                self.values[lower] = value;
+                self.values[upper] = value;
             }
         }
-        sum
     }
 }
 
@@ -316,10 +319,12 @@ mod tests {
             .map(|spec| Arc::new(problem.columns(&problem.empty_factor(spec, 6).unwrap())))
             .collect();
         let all = NormalEquations::new(columns, problem.weights());
-        let whole = all.factorize().unwrap().0;
+        let whole = all.factorize(Vec::new()).unwrap();
+        let whole = whole.lower();
         for count in 0..=2 {
-            let known = all.leading(count.max(1)).factorize().unwrap();
-            let continued = all.factorize_after(&known, count).unwrap().0;
+            let known = all.leading(count.max(1)).factorize(vec![7.0; 10]).unwrap();
+            let continued = all.factorize_after(&known, count, vec![f64::NAN; 9]).unwrap();
+            let continued = continued.lower();
             for column in 0..whole.ncols() {
                 for row in column..whole.nrows() {
                     let (a, b) = (whole[(row, column)], continued[(row, column)]);
@@ -349,7 +354,8 @@ mod tests {
             .map(|spec| Arc::new(problem.columns(&problem.empty_factor(spec, 5).unwrap())))
             .collect();
         let system = LinearSystem::new(columns.clone(), problem.weights());
-        let lower = NormalEquations::new(columns, problem.weights()).assemble();
+        let lower = NormalEquations::new(columns, problem.weights()).assemble(0, Vec::new());
+        let lower = MatRef::from_column_major_slice(&lower, system.unknowns(), system.unknowns());
         for unknown in 0..system.unknowns() {
             let mut unit = vec![0.0; system.unknowns()];
             unit[unknown] = 1.0;

@@ -77,7 +77,7 @@ fn cholesky(system: &LinearSystem, sides: &[Vec<f64>]) -> Result<Solution, Facto
         return Err(FactorError::TooManyUnknowns { unknowns, max: Solver::MAX_DENSE });
     }
     let equations = NormalEquations::new(system.columns().to_vec(), system.weights());
-    let factor = equations.factorize()?;
+    let factor = equations.factorize(Vec::new())?;
     let projected: Vec<Vec<f64>> = sides.iter().map(|side| system.apply_transposed(side)).collect();
     let mut x = Mat::from_fn(unknowns, sides.len(), |row, column| projected[column][row]);
     factor.solve_in_place(x.as_mut());

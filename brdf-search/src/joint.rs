@@ -1,134 +1,259 @@
 //! The joint search: all projections of a model together, from many starts, coarse to fine.
+//!
+//! Sets of projections are compared at a few thousand samples and 12 × 12 texels, with all textures
+//! solved for at every step. Sets of one, two and three planes start at random; sets of more grow out
+//! of the best, by the planes that help most. Starts run in heats: after a few steps those that lag
+//! are dropped. The best sets are refined at more samples and texels, the winner on all samples.
+//!
+//! What did not help: fewer than 12 texels or 3,000 samples (sets are ranked by their noise), weak
+//! smoothing at the coarse level (the same), every eleventh sample instead of the first of the
+//! sequence (the same), planes of uniform distribution alone, ranking more sets at the medium level.
 
-use brdf_factor::{FactorError, FactorSpec, Problem};
-use brdf_param::{Projection, Space};
+use brdf_factor::Problem;
+use brdf_param::Projection;
 use rayon::prelude::*;
 
 use crate::control::{Control, Monitor};
-use crate::random::StartRng;
-use crate::starts::{canonical_projections, joint_starts};
-use crate::varpro::{Descent, Level, Solved};
+use crate::starts::{canonical_projections, joint_starts, new_planes};
+use crate::varpro::{Candidate, Level, Limits, Solved};
+use crate::{Family, SearchError, SearchOutcome, TermOutcome};
 
 /// Effort of a joint search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointParams {
-    pub coarse: (usize, usize),
-    pub coarse_mu: f64,
-    pub medium: (usize, usize),
-    pub fine_size: usize,
-    pub starts: Vec<usize>,
-    pub screened: usize,
-    pub extended: usize,
-    pub screen_keep: usize,
-    pub screen_steps: usize,
-    pub beam: usize,
-    pub rounds: Vec<(usize, usize, f64)>,
-    pub tol: f64,
-    pub medium_rounds: Vec<(usize, usize, f64)>,
-    pub early_rounds: Vec<(usize, usize, f64)>,
-    pub fine_steps: usize,
+    /// Largest number of projections, 1 to 8; models of fewer are found on the way.
+    pub terms: usize,
+    /// Texels along each side at which the winner is refined; the textures of the result may be
+    /// larger.
+    pub texture_size: usize,
+    /// Random sets of two planes to start from, at least 1; three quarters as many of three. With
+    /// fewer than 30, two-term models were found worse than a Powell search finds.
+    pub restarts: usize,
+    /// Planes to start from beside the random ones: those of an earlier model, say.
+    pub start: Vec<Projection>,
+    /// Which random starts.
     pub seed: u64,
 }
 
 impl Default for JointParams {
     fn default() -> Self {
-        Self {
-            coarse: (12, 4000),
-            coarse_mu: 1e-3,
-            medium: (16, 12_000),
-            fine_size: 16,
-            starts: vec![16, 40, 30],
-            screened: 32,
-            extended: 3,
-            screen_keep: 12,
-            screen_steps: 6,
-            beam: 4,
-            rounds: vec![(6, 16, 1.6), (14, 4, 1.6)],
-            tol: 1e-3,
-            medium_rounds: vec![(3, 2, 1.5), (6, 1, 1.5)],
-            early_rounds: vec![(4, 1, 1.5)],
-            fine_steps: 2,
-            seed: 1,
-        }
+        Self { terms: 5, texture_size: 16, restarts: 40, start: Vec::new(), seed: 1 }
     }
 }
 
-fn rounds(level: &Level, sets: Vec<Solved>, rounds: &[(usize, usize, f64)], tol: f64, monitor: &Monitor) -> Result<Vec<Solved>, FactorError> {
-    let mut runs: Vec<Descent> = sets.into_iter().map(|s| Descent::new(s, 0)).collect();
-    for &(steps, keep, params_factor) in rounds {
-        runs.par_iter_mut().try_for_each(|run| level.descend(run, steps, tol, monitor))?;
-        runs.sort_by(|a, b| a.set.energy.total_cmp(&b.set.energy));
-        let mut kept: Vec<Descent> = Vec::new();
-        let limit = params_factor * runs[0].set.energy;
-        for run in runs {
-            let distinct = kept.iter().all(|k| (run.set.energy - k.set.energy).abs() > 1e-3 * k.set.energy);
-            if kept.len() < keep && distinct && run.set.energy <= limit { kept.push(run); }
-        }
-        runs = kept;
-    }
-    Ok(runs.into_iter().map(|r| r.set).collect())
+/// Texels along each side, and samples, of the levels below the finest. Samples are powers of two,
+/// at which a leading part of a Sobol sequence is most even.
+const COARSE: (usize, usize) = (12, 4_096);
+const MEDIUM: (usize, usize) = (16, 12_288);
+/// Smoothing μ at the coarse level, where noise would otherwise decide.
+const COARSE_SMOOTHING: f64 = 1e-3;
+/// Sets carried from one number of terms to the next.
+const BEAM: usize = 4;
+/// For each set of the beam: planes tried beside it, those that are moved alone, and those that are
+/// then moved with the rest.
+const TRIED: usize = 32;
+const MOVED_ALONE: usize = 8;
+const MOVED_TOGETHER: usize = 3;
+/// Largest number of terms for which random sets compete with grown ones.
+const RANDOM_TERMS: usize = 3;
+/// Sets whose errors differ by less than this share are taken for the same.
+const SAME: f64 = 1e-3;
+
+/// A heat: all candidates take some steps, then the best go on.
+#[derive(Clone, Copy)]
+struct Heat {
+    limits: Limits,
+    /// Most candidates that go on.
+    keep: usize,
+    /// None goes on whose error exceeds this multiple of the best.
+    factor: f64,
 }
 
+const fn heat(steps: usize, keep: usize, factor: f64) -> Heat {
+    Heat { limits: Limits { steps, tolerance: 1e-3 }, keep, factor }
+}
+
+const ALONE: Limits = Limits { steps: 4, tolerance: 1e-2 };
+const COARSE_HEATS: [Heat; 2] = [heat(6, 12, 1.6), heat(14, BEAM, 1.5)];
+const MEDIUM_HEATS: [Heat; 2] = [heat(3, 2, 1.5), heat(6, 1, 1.5)];
+/// For numbers of terms below the largest.
+const EARLY_MEDIUM_HEATS: [Heat; 1] = [heat(4, 1, 1.5)];
+const FINE_STEPS: usize = 2;
+const EARLY_FINE_STEPS: usize = 1;
+
+/// Searches for the projections that fit best together, for every number of terms up to the largest.
+///
+/// Deterministic for any number of threads, unless it is stopped. A search that is stopped returns
+/// what it found; there is at least one term.
+///
+/// # Errors
+///
+/// [`SearchError`] for impossible options, before any work.
 pub fn search_joint(
     problem: &Problem,
-    space: Space,
-    reciprocal: bool,
-    fixed: &[FactorSpec],
-    terms: usize,
+    family: &Family,
     params: &JointParams,
     control: Control<'_>,
-) -> Result<Vec<(Vec<Projection>, f64)>, FactorError> {
+) -> Result<SearchOutcome, SearchError> {
+    family.check(problem, params.terms, params.texture_size)?;
+    if params.restarts == 0 {
+        return Err(SearchError::Option {
+            option: "the number of restarts",
+            value: "0".to_owned(),
+            expected: "1 or more",
+        });
+    }
     let monitor = Monitor::new(control);
-    problem.points(space);
-    let verbose = std::env::var("VERBOSE").is_ok();
-    let clock = std::time::Instant::now();
-    let coarse_problem = problem.thinned(params.coarse.1).smoothed(params.coarse_mu);
-    let coarse = Level::new(&coarse_problem, params.coarse.0, (space, reciprocal), fixed)?;
-    let mut beams: Vec<Vec<Vec<Projection>>> = Vec::new();
-    let mut beam: Vec<Solved> = vec![coarse.solve(&[], &monitor)?];
-    for k in 1..=terms {
-        let starts = joint_starts(k, params.starts.get(k - 1).copied().unwrap_or(0), params.seed);
-        let sets: Result<Vec<Solved>, FactorError> = starts.par_iter().map(|s| coarse.solve(s, &monitor)).collect();
-        let mut sets = sets?;
-        if k > 1 {
-            let candidates: Vec<(usize, Projection)> = (0..beam.len()).flat_map(|b| {
-                let mut list = canonical_projections();
-                let mut rng = StartRng::new(params.seed, 100 + k as u64, b as u64);
-                while list.len() < params.screened { list.push(rng.projection()); }
-                list.into_iter().map(move |p| (b, p))
-            }).collect();
-            let screened: Result<Vec<Descent>, FactorError> = candidates.par_iter().map(|&(b, p)| Ok(Descent::new(coarse.solve_after(&beam[b], k - 1, &[p], &monitor)?, k - 1))).collect();
-            let mut screened = screened?;
-            screened.sort_by(|a, b| a.set.energy.total_cmp(&b.set.energy));
-            screened.truncate(params.screen_keep * beam.len());
-            screened.par_iter_mut().try_for_each(|run| coarse.descend(run, params.screen_steps, 1e-2, &monitor))?;
-            screened.sort_by(|a, b| a.set.energy.total_cmp(&b.set.energy));
-            let mut kept: Vec<Solved> = Vec::new();
-            for run in screened {
-                let distinct = kept.iter().all(|k| (run.set.energy - k.energy).abs() > 1e-3 * k.energy);
-                if kept.len() < params.extended * beam.len() && distinct { kept.push(run.set); }
-            }
-            if verbose { eprintln!("screen {:.5?} evals {} {:.2?}", kept.iter().take(5).map(|b| b.energy).collect::<Vec<_>>(), monitor.evaluations(), clock.elapsed()); }
-            sets.extend(kept);
+    // Computed once, so that the levels below take theirs from here.
+    problem.points(family.space);
+    let beams = coarse_beams(problem, family, params, &monitor)?;
+    let terms = refined(problem, family, params, &beams, &monitor)?;
+    Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stopped() })
+}
+
+/// The best sets of every number of terms at the coarse level.
+fn coarse_beams(
+    problem: &Problem,
+    family: &Family,
+    params: &JointParams,
+    monitor: &Monitor<'_>,
+) -> Result<Vec<Vec<Candidate>>, SearchError> {
+    let coarse_problem = problem.thinned(COARSE.1).smoothed(COARSE_SMOOTHING);
+    let level = Level::new(&coarse_problem, COARSE.0.min(params.texture_size), family)?;
+    let mut beams: Vec<Vec<Candidate>> = Vec::new();
+    for terms in 1..=params.terms {
+        if terms > 1 && monitor.stopped() {
+            break;
         }
-        beam = rounds(&coarse, sets, &params.rounds, params.tol, &monitor)?;
-        if verbose { eprintln!("coarse k={k} {:.5?} evals {} {:.2?}", beam.iter().map(|b| b.energy).collect::<Vec<_>>(), monitor.evaluations(), clock.elapsed()); }
-        beams.push(beam.iter().map(|s| s.projections.clone()).collect());
+        let mut starts = random_starts(terms, params);
+        if params.start.len() >= terms {
+            starts.push(Candidate::new(params.start[..terms].to_vec()));
+        }
+        let grown = match beams.last() {
+            Some(beam) => grow(&level, beam, params, monitor)?,
+            None => Vec::new(),
+        };
+        monitor.begin(terms, starts.len() + grown.len());
+        // Each kind keeps its share of the beam: sets that start together reach minima that growing
+        // ones do not, though those may stand lower for now.
+        let both = !starts.is_empty() && !grown.is_empty();
+        let keep = if both { BEAM / 2 } else { BEAM };
+        let mut heats = COARSE_HEATS;
+        heats[1].keep = keep;
+        let mut beam = race(&level, starts, &heats, monitor)?;
+        beam.extend(race(&level, grown, &heats, monitor)?);
+        beam.sort_by(|a, b| a.energy.total_cmp(&b.energy));
+        beams.push(beam);
     }
-    let medium_problem = problem.thinned(params.medium.1);
-    let medium = Level::new(&medium_problem, params.medium.0, (space, reciprocal), fixed)?;
-    let fine = Level::new(problem, params.fine_size, (space, reciprocal), fixed)?;
-    let mut out = Vec::new();
-    for sets in &beams {
-        let sets: Result<Vec<Solved>, FactorError> = sets.iter().take(if sets[0].len() == terms { 9 } else { 2 }).collect::<Vec<_>>().par_iter().map(|s| medium.solve(s, &monitor)).collect();
-        let last = sets.as_ref().unwrap()[0].projections.len() == terms;
-        let refined = rounds(&medium, sets?, if last { &params.medium_rounds } else { &params.early_rounds }, params.tol, &monitor)?;
-        let best = &refined[0];
-        if verbose { eprintln!("medium {:.5} evals {} {:.2?}", best.energy, monitor.evaluations(), clock.elapsed()); }
-        let mut end = Descent::new(fine.solve(&best.projections, &monitor)?, 0);
-        fine.descend(&mut end, if last { params.fine_steps } else { 1 }, params.tol, &monitor)?;
-        if verbose { eprintln!("fine {:.5} evals {} {:.2?}", end.set.energy, monitor.evaluations(), clock.elapsed()); }
-        out.push((end.set.projections.clone(), end.set.energy));
+    Ok(beams)
+}
+
+fn random_starts(terms: usize, params: &JointParams) -> Vec<Candidate> {
+    let count = match terms {
+        1 => canonical_projections().len() + params.restarts / 5,
+        2 => params.restarts,
+        RANDOM_TERMS => (3 * params.restarts).div_ceil(4),
+        _ => 0,
+    };
+    joint_starts(terms, count, params.seed).into_iter().map(Candidate::new).collect()
+}
+
+/// Every set of a beam with one plane more: of many that are tried, those that help most.
+fn grow(
+    level: &Level<'_>,
+    beam: &[Candidate],
+    params: &JointParams,
+    monitor: &Monitor<'_>,
+) -> Result<Vec<Candidate>, SearchError> {
+    let known: Result<Vec<Solved>, _> =
+        beam.par_iter().map(|set| level.solve(&set.projections, monitor)).collect();
+    let known = known?;
+    let terms = beam.first().map_or(0, |set| set.projections.len());
+    let mut planes: Vec<(usize, Projection)> = Vec::new();
+    for set in 0..beam.len() {
+        planes.extend(new_planes(TRIED, params.seed, terms, set).into_iter().map(|p| (set, p)));
+        planes.extend(params.start.get(terms).map(|&plane| (set, plane)));
     }
-    Ok(out)
+    let energies: Result<Vec<f64>, _> = planes
+        .par_iter()
+        .map(|&(set, plane)| match monitor.stopped() {
+            true => Ok(f64::INFINITY),
+            false => level.energy_with(&known[set], plane, monitor),
+        })
+        .collect();
+    let mut order: Vec<(f64, (usize, Projection))> = energies?.into_iter().zip(planes).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order.truncate(MOVED_ALONE * beam.len());
+    let moved: Result<Vec<Candidate>, _> = order
+        .par_iter()
+        .map(|&(_, (set, plane))| level.improve_last(&known[set], plane, ALONE, monitor))
+        .collect();
+    Ok(select(moved?, MOVED_TOGETHER * beam.len(), f64::INFINITY))
+}
+
+/// Runs candidates in heats and returns the survivors, best first.
+fn race(
+    level: &Level<'_>,
+    mut candidates: Vec<Candidate>,
+    heats: &[Heat],
+    monitor: &Monitor<'_>,
+) -> Result<Vec<Candidate>, SearchError> {
+    for heat in heats {
+        let run: Result<Vec<Candidate>, _> = candidates
+            .par_iter()
+            .enumerate()
+            .filter(|(index, _)| *index == 0 || !monitor.stopped())
+            .map(|(_, candidate)| {
+                let improved = level.improve(candidate, heat.limits, monitor)?;
+                monitor.finished(improved.energy);
+                Ok::<_, SearchError>(improved)
+            })
+            .collect();
+        candidates = select(run?, heat.keep, heat.factor);
+    }
+    Ok(candidates)
+}
+
+/// The best candidates, best first, at most `keep` and none that repeats a better one.
+fn select(mut candidates: Vec<Candidate>, keep: usize, factor: f64) -> Vec<Candidate> {
+    candidates.sort_by(|a, b| a.energy.total_cmp(&b.energy));
+    let limit = factor * candidates.first().map_or(f64::INFINITY, |best| best.energy);
+    let mut kept: Vec<Candidate> = Vec::new();
+    for candidate in candidates {
+        let is_new = kept.last().is_none_or(|last| candidate.energy > (1.0 + SAME) * last.energy);
+        if kept.len() < keep && candidate.energy <= limit && is_new {
+            kept.push(candidate);
+        }
+    }
+    kept
+}
+
+/// The best set of every number of terms, refined.
+fn refined(
+    problem: &Problem,
+    family: &Family,
+    params: &JointParams,
+    beams: &[Vec<Candidate>],
+    monitor: &Monitor<'_>,
+) -> Result<Vec<TermOutcome>, SearchError> {
+    let medium_problem = problem.thinned(MEDIUM.1);
+    let medium = Level::new(&medium_problem, MEDIUM.0.min(params.texture_size), family)?;
+    let fine = Level::new(problem, params.texture_size, family)?;
+    let mut terms: Vec<TermOutcome> = Vec::new();
+    for beam in beams {
+        let fresh = |set: &Candidate| Candidate::new(set.projections.clone());
+        let last = beam[0].projections.len() == params.terms;
+        let (sets, heats, steps): (usize, &[Heat], usize) = if last {
+            (BEAM, &MEDIUM_HEATS, FINE_STEPS)
+        } else {
+            (BEAM / 2, &EARLY_MEDIUM_HEATS, EARLY_FINE_STEPS)
+        };
+        monitor.begin(beam[0].projections.len(), sets);
+        let sets = beam.iter().take(sets).map(fresh).collect();
+        let best = race(&medium, sets, heats, monitor)?.swap_remove(0);
+        let limits = Limits { steps, tolerance: 1e-3 };
+        let best = fine.improve(&fresh(&best), limits, monitor)?;
+        terms.push(TermOutcome { projections: best.projections, error: best.energy });
+    }
+    Ok(terms)
 }

@@ -37,6 +37,41 @@ impl StartRng {
         }
     }
 
+    /// A plane u + iv = cos θ z₁ + sin θ e^{iφ} z₂ of the complex coordinates z₁ = x + iy and z₂ = z + iw, or
+    /// of z₁ and the conjugate of z₂, θ and φ uniform.
+    ///
+    /// Such planes turn with both directions, or against one; the minima found for isotropic
+    /// materials are mostly close to one of them.
+    pub(crate) fn turning_projection(&mut self) -> Projection {
+        let (b, a) = (TAU * self.uniform()).sin_cos();
+        let (sin, cos) = (TAU * self.uniform()).sin_cos();
+        let mirror = if self.uniform() < 0.5 { -1.0 } else { 1.0 };
+        let rows = [
+            [a, 0.0, b * cos, -mirror * b * sin],
+            [0.0, a, b * sin, mirror * b * cos],
+        ];
+        Projection::from_rows(rows[0], rows[1]).unwrap_or(Projection::FIRST)
+    }
+
+    /// The plane of one component of each direction, along random axes.
+    pub(crate) fn component_projection(&mut self) -> Projection {
+        let (sin_a, cos_a) = (TAU * self.uniform()).sin_cos();
+        let (sin_b, cos_b) = (TAU * self.uniform()).sin_cos();
+        let rows = [[cos_a, sin_a, 0.0, 0.0], [0.0, 0.0, cos_b, sin_b]];
+        Projection::from_rows(rows[0], rows[1]).unwrap_or(Projection::FIRST)
+    }
+
+    /// A plane of one kind or another, mostly of one component of each direction: minima in
+    /// half/difference space, where d is measured from a frame that does not turn with h, have many of
+    /// those.
+    pub(crate) fn mixed_projection(&mut self) -> Projection {
+        match self.uniform() {
+            x if x < 0.2 => self.turning_projection(),
+            x if x < 0.8 => self.component_projection(),
+            _ => self.projection(),
+        }
+    }
+
     /// Two independent normal numbers (Box and Muller 1958).
     fn normal_pair(&mut self) -> [f64; 2] {
         let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();

@@ -22,20 +22,33 @@ pub fn canonical_projections() -> Vec<Projection> {
 }
 
 /// Sets of `terms` planes to start from together: every canonical plane beside random ones, then
-/// random ones alone.
+/// random ones alone. Every other set is made of turning planes only: minima of that kind exclude
+/// others.
 pub(crate) fn joint_starts(terms: usize, count: usize, seed: u64) -> Vec<Vec<Projection>> {
     let canonical = canonical_projections();
     (0..count)
         .map(|start| {
             let mut rng = StartRng::new(seed, terms as u64, start as u64);
-            let mut set: Vec<Projection> = Vec::with_capacity(terms);
-            if let Some(&first) = canonical.get(start) {
-                set.push(first);
-            }
+            let mut set: Vec<Projection> = canonical.get(start).copied().into_iter().collect();
             while set.len() < terms {
-                set.push(rng.projection());
+                set.push(plane(start, &mut rng));
             }
             set
         })
         .collect()
+}
+
+/// Planes to try as the next of a set: the canonical ones, then random ones.
+pub(crate) fn new_planes(count: usize, seed: u64, terms: usize, set: usize) -> Vec<Projection> {
+    // Stages of grown sets follow those of sets that start together.
+    let mut rng = StartRng::new(seed, 101 + terms as u64, set as u64);
+    let mut planes = canonical_projections();
+    while planes.len() < count {
+        planes.push(plane(planes.len(), &mut rng));
+    }
+    planes
+}
+
+fn plane(index: usize, rng: &mut StartRng) -> Projection {
+    if index % 2 == 0 { rng.turning_projection() } else { rng.mixed_projection() }
 }

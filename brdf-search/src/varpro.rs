@@ -10,16 +10,17 @@
 //! squares problems whose variables separate", SIAM J. Numerical Analysis 10, 1973; L. Kaufman, "A
 //! variable projection method for solving separable nonlinear least squares problems", BIT 15, 1975.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use brdf_factor::{
-    CholeskyFactor, Columns, Coordinate, FactorDescription, FactorError, FactorSpec, NormalEquations, Problem,
+    CholeskyFactor, Columns, Coordinate, FactorDescription, FactorError, NormalEquations, Problem,
 };
 use brdf_param::{Projection, Space};
 use faer::{Mat, MatRef, Par};
 use glam::DVec4;
 use rayon::prelude::*;
 
+use crate::Family;
 use crate::control::Monitor;
 use crate::tangent::{DIRECTIONS, Tangent, extent_gradient};
 
@@ -27,18 +28,34 @@ use crate::tangent::{DIRECTIONS, Tangent, extent_gradient};
 /// beside the searched ones.
 #[derive(Debug)]
 pub(crate) struct Level<'a> {
-    pub(crate) problem: &'a Problem,
-    pub(crate) size: usize,
-    pub(crate) space: Space,
-    pub(crate) reciprocal: bool,
+    problem: &'a Problem,
+    size: usize,
+    family: &'a Family,
     fixed: NormalEquations,
     /// Weighted fitted values of each channel.
     weighted_targets: Vec<Vec<f64>>,
     weight_roots: Vec<f64>,
     /// Σ w y² over samples and channels.
     target_energy: f64,
+    buffers: Buffers,
     /// Number by which sums over samples and channels become means.
     scale: f64,
+}
+
+/// Memory of Cholesky factors that are done with: fresh pages would cost as much as filling them.
+#[derive(Debug, Default)]
+struct Buffers(Mutex<Vec<Vec<f64>>>);
+
+impl Buffers {
+    fn take(&self) -> Vec<f64> {
+        self.0.lock().ok().and_then(|mut free| free.pop()).unwrap_or_default()
+    }
+
+    fn put_back(&self, factor: CholeskyFactor) {
+        if let Ok(mut free) = self.0.lock() {
+            free.push(factor.into_buffer());
+        }
+    }
 }
 
 /// A set of projections with its textures solved for.
@@ -53,23 +70,31 @@ pub(crate) struct Solved {
     pub(crate) energy: f64,
 }
 
-/// A set of projections on its way to a minimum.
+/// A set of projections on its way to a minimum, without the matrices that found it.
 #[derive(Clone, Debug)]
-pub(crate) struct Descent {
-    pub(crate) set: Solved,
-    /// Projections at the head of the set that stay.
-    held: usize,
+pub(crate) struct Candidate {
+    pub(crate) projections: Vec<Projection>,
+    /// As [`Solved::energy`]; infinite before the first solution.
+    pub(crate) energy: f64,
     damping: f64,
     /// Nothing more is to be gained.
-    pub(crate) converged: bool,
+    converged: bool,
 }
 
-impl Descent {
-    /// Of all projections but the first `held`.
-    pub(crate) fn new(set: Solved, held: usize) -> Self {
-        let converged = set.projections.len() <= held;
-        Self { set, held, damping: FIRST_DAMPING, converged }
+impl Candidate {
+    pub(crate) fn new(projections: Vec<Projection>) -> Self {
+        let converged = projections.is_empty();
+        Self { projections, energy: f64::INFINITY, damping: FIRST_DAMPING, converged }
     }
+}
+
+/// When steps end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limits {
+    /// Most steps.
+    pub(crate) steps: usize,
+    /// A step that lowers the error by less than this share is the last.
+    pub(crate) tolerance: f64,
 }
 
 /// No step turns a plane further than this, radians: derivatives hold within a few texels.
@@ -87,10 +112,10 @@ impl<'a> Level<'a> {
     pub(crate) fn new(
         problem: &'a Problem,
         size: usize,
-        (space, reciprocal): (Space, bool),
-        fixed: &[FactorSpec],
+        family: &'a Family,
     ) -> Result<Self, FactorError> {
-        let columns: Result<Vec<Arc<Columns>>, FactorError> = fixed
+        let columns: Result<Vec<Arc<Columns>>, FactorError> = family
+            .fixed
             .iter()
             .map(|spec| Ok(Arc::new(problem.columns(&problem.empty_factor(spec, size)?))))
             .collect();
@@ -105,23 +130,19 @@ impl<'a> Level<'a> {
         Ok(Self {
             problem,
             size,
-            space,
-            reciprocal,
+            family,
             fixed: NormalEquations::new(columns?, weights),
             target_energy: problem.targets().iter().zip(&weighted_targets).map(energy).sum(),
             weighted_targets,
             weight_roots: weights.iter().map(|w| w.sqrt()).collect(),
+            buffers: Buffers::default(),
             scale: 1.0 / (problem.total_weight() * channels),
         })
     }
 
-    pub(crate) fn spec(&self, projection: Projection) -> FactorSpec {
-        let coordinate = Coordinate::Projected { space: self.space, projection };
-        if self.reciprocal {
-            FactorSpec::reciprocal(coordinate)
-        } else {
-            FactorSpec::single(coordinate)
-        }
+    /// Takes back the memory of a set that is done with.
+    fn recycle(&self, set: Solved) {
+        self.buffers.put_back(set.factor);
     }
 
     /// Solves for the textures of a set of projections.
@@ -133,7 +154,7 @@ impl<'a> Level<'a> {
         let columns: Result<Vec<Arc<Columns>>, FactorError> =
             projections.par_iter().map(|&projection| self.columns(projection)).collect();
         let equations = self.fixed.clone().with(columns?, self.problem.weights());
-        let factor = equations.factorize()?;
+        let factor = equations.factorize(self.buffers.take())?;
         monitor.evaluated();
         Ok(self.solve_factored(projections.to_vec(), equations, factor))
     }
@@ -151,14 +172,14 @@ impl<'a> Level<'a> {
         let columns: Result<Vec<Arc<Columns>>, FactorError> =
             moved.par_iter().map(|&projection| self.columns(projection)).collect();
         let equations = known.equations.leading(kept).with(columns?, self.problem.weights());
-        let factor = equations.factorize_after(&known.factor, kept)?;
+        let factor = equations.factorize_after(&known.factor, kept, self.buffers.take())?;
         let projections = [&known.projections[..held], moved].concat();
         monitor.evaluated();
         Ok(self.solve_factored(projections, equations, factor))
     }
 
     fn columns(&self, projection: Projection) -> Result<Arc<Columns>, FactorError> {
-        let factor = self.problem.empty_factor(&self.spec(projection), self.size)?;
+        let factor = self.problem.empty_factor(&self.family.spec(projection), self.size)?;
         Ok(Arc::new(self.problem.columns(&factor)))
     }
 
@@ -192,43 +213,81 @@ impl<'a> Level<'a> {
         Solved { projections, equations, factor, textures, energy }
     }
 
-    /// Takes up to `steps` Levenberg–Marquardt steps of all projections together, until one lowers
-    /// the error by less than the share `tolerance`.
-    pub(crate) fn descend(
+    /// Takes Levenberg–Marquardt steps of all projections together.
+    pub(crate) fn improve(
         &self,
-        descent: &mut Descent,
-        steps: usize,
-        tolerance: f64,
+        candidate: &Candidate,
+        limits: Limits,
         monitor: &Monitor<'_>,
-    ) -> Result<(), FactorError> {
-        for _ in 0..steps {
-            if descent.converged || monitor.stopped() {
-                break;
-            }
-            let before = descent.set.energy;
-            self.step(descent, monitor)?;
-            descent.converged |= before - descent.set.energy <= tolerance * before;
+    ) -> Result<Candidate, FactorError> {
+        if candidate.converged && candidate.energy.is_finite() {
+            return Ok(candidate.clone());
         }
-        Ok(())
+        let set = self.solve(&candidate.projections, monitor)?;
+        self.descend(set, 0, candidate.damping, limits, monitor)
     }
 
-    /// One step, damped more and more until it lowers the error; at a minimum no step does.
-    fn step(&self, descent: &mut Descent, monitor: &Monitor<'_>) -> Result<(), FactorError> {
-        let Descent { set, held, .. } = &*descent;
-        let local = self.linearize(set, *held);
-        for _ in 0..REJECTIONS {
-            let Descent { set, held, damping, .. } = &*descent;
-            let moved = local.step(&set.projections[*held..], *damping);
-            let trial = self.solve_after(set, *held, &moved, monitor)?;
-            if trial.energy < descent.set.energy {
-                descent.set = trial;
-                descent.damping = (RELAX * descent.damping).max(LEAST_DAMPING);
-                return Ok(());
+    /// Takes steps of one more projection alone.
+    pub(crate) fn improve_last(
+        &self,
+        known: &Solved,
+        next: Projection,
+        limits: Limits,
+        monitor: &Monitor<'_>,
+    ) -> Result<Candidate, FactorError> {
+        let held = known.projections.len();
+        let set = self.solve_after(known, held, &[next], monitor)?;
+        // What comes next moves all projections, from a fresh start.
+        let found = self.descend(set, held, FIRST_DAMPING, limits, monitor)?;
+        Ok(Candidate { energy: found.energy, ..Candidate::new(found.projections) })
+    }
+
+    /// The error with one more projection.
+    pub(crate) fn energy_with(
+        &self,
+        known: &Solved,
+        next: Projection,
+        monitor: &Monitor<'_>,
+    ) -> Result<f64, FactorError> {
+        let set = self.solve_after(known, known.projections.len(), &[next], monitor)?;
+        let energy = set.energy;
+        self.recycle(set);
+        Ok(energy)
+    }
+
+    /// Steps of all projections but the first `held`, each damped more and more until it lowers the
+    /// error; at a minimum none does.
+    fn descend(
+        &self,
+        mut set: Solved,
+        held: usize,
+        mut damping: f64,
+        limits: Limits,
+        monitor: &Monitor<'_>,
+    ) -> Result<Candidate, FactorError> {
+        let mut converged = set.projections.len() <= held;
+        for _ in 0..limits.steps {
+            if converged || monitor.stopped() {
+                break;
             }
-            descent.damping *= TIGHTEN;
+            let local = self.linearize(&set, held);
+            converged = true;
+            for _ in 0..REJECTIONS {
+                let moved = local.step(&set.projections[held..], damping);
+                let trial = self.solve_after(&set, held, &moved, monitor)?;
+                if trial.energy < set.energy {
+                    converged = set.energy - trial.energy <= limits.tolerance * set.energy;
+                    damping = (RELAX * damping).max(LEAST_DAMPING);
+                    self.recycle(std::mem::replace(&mut set, trial));
+                    break;
+                }
+                self.recycle(trial);
+                damping *= TIGHTEN;
+            }
         }
-        descent.converged = true;
-        Ok(())
+        let (projections, energy) = (set.projections.clone(), set.energy);
+        self.recycle(set);
+        Ok(Candidate { projections, energy, damping, converged })
     }
 
     /// Derivatives at a solved set with respect to all projections but the first `held`.
@@ -309,7 +368,7 @@ impl<'a> Level<'a> {
             let own = &texture[starts[fixed + index]..starts[fixed + index + 1]];
             for (coordinate, directions) in self.moved_coordinates(columns, tangent) {
                 let slopes = columns.slopes(coordinate, own);
-                let points = self.problem.points(self.space);
+                let points = self.problem.points(self.family.space);
                 let rows = jacobian.chunks_exact_mut(width).zip(&self.weight_roots);
                 for (((row, root), slope), point) in rows.zip(slopes).zip(points) {
                     let slope = slope.map(|s| root * s);
@@ -341,7 +400,7 @@ impl<'a> Level<'a> {
             .collect();
         // The first coordinate is the projection, the second its conjugate; the conjugate's rows are
         // the projection's with columns exchanged or negated.
-        let as_seen = |coordinate: usize, row: DVec4| match (coordinate, self.space) {
+        let as_seen = |coordinate: usize, row: DVec4| match (coordinate, self.family.space) {
             (0, _) => row,
             (_, Space::Standard) => DVec4::new(row.z, row.w, row.x, row.y),
             (_, Space::HalfDifference) => DVec4::new(row.x, row.y, -row.z, -row.w),
@@ -394,13 +453,14 @@ impl Linearized {
     pub(crate) fn step(&self, projections: &[Projection], damping: f64) -> Vec<Projection> {
         let width = self.gradient.len();
         let floor = 1e-12 * self.diagonal.iter().copied().fold(0.0, f64::max) + f64::MIN_POSITIVE;
-        let damped = Mat::from_fn(width, width, |row, column| {
-            let extra = if row == column { damping * self.diagonal[row] + floor } else { 0.0 };
-            self.matrix[(row, column)] + extra
-        });
+        let mut damped = Vec::with_capacity(width * width);
+        for column in 0..width {
+            damped.extend(self.matrix.col(column).iter());
+            damped[column * width + column] += damping * self.diagonal[column] + floor;
+        }
         let mut side = Mat::from_fn(width, 1, |row, _| -self.gradient[row]);
         // Without a positive definite matrix the gradient alone shows the way down.
-        match CholeskyFactor::new(damped) {
+        match CholeskyFactor::new(damped, width) {
             Ok(factor) => factor.solve_in_place(side.as_mut()),
             Err(_) => {
                 for (row, diagonal) in self.diagonal.iter().enumerate() {
