@@ -181,10 +181,9 @@ fn solve(
         refuse_free_texels(&untouched, &factors)?;
     }
     let system = LinearSystem::new(columns, problem.weights());
-    let sides: Vec<Vec<f64>> = residual_targets(problem, earlier)
-        .iter()
-        .map(|targets| system.right_hand_side(targets))
-        .collect();
+    let rest = (!earlier.is_empty()).then(|| rest_of(problem, earlier));
+    let targets = rest.as_ref().unwrap_or(problem).targets();
+    let sides: Vec<Vec<f64>> = targets.iter().map(|y| system.right_hand_side(y)).collect();
     let unknowns = system.unknowns();
     let solver = params.solver.unwrap_or_else(|| Solver::for_unknowns(unknowns));
     let solution = solver.solve(&system, &sides)?;
@@ -220,18 +219,16 @@ fn solve(
     })
 }
 
-/// Fitted values of each channel, less what earlier factors already give.
-fn residual_targets(problem: &Problem, earlier: &[Factor]) -> Vec<Vec<f64>> {
-    let mut targets = problem.targets().to_vec();
+/// What is left to explain beside earlier factors.
+fn rest_of(problem: &Problem, earlier: &[Factor]) -> Problem {
+    let mut given = vec![vec![0.0; problem.len()]; problem.maps().len()];
     for factor in earlier {
         let columns = problem.columns(factor);
-        for (channel, targets) in targets.iter_mut().enumerate() {
-            let mut given = vec![0.0; targets.len()];
-            columns.add_values(&columns.texels_of(factor, channel), &mut given);
-            targets.iter_mut().zip(given).for_each(|(target, given)| *target -= given);
+        for (channel, given) in given.iter_mut().enumerate() {
+            columns.add_values(&columns.texels_of(factor, channel), given);
         }
     }
-    targets
+    problem.less(&given)
 }
 
 fn refuse_free_texels(untouched: &[Vec<usize>], factors: &[Factor]) -> Result<(), FactorError> {

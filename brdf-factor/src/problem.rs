@@ -17,7 +17,7 @@ use crate::{
 ///
 /// Samples stand in Morton order of their standard coordinates, so that samples which follow each
 /// other read nearby texels under any projection; [`Problem::in_given_order`] undoes it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Problem {
     params: FactorParams,
     samples: SampleSet,
@@ -32,7 +32,7 @@ pub struct Problem {
 }
 
 /// The coordinates of all samples in a space.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct SpacePoints {
     points: Vec<[f64; 4]>,
     radii: DiscRadii,
@@ -105,6 +105,23 @@ impl Problem {
             }
         }
         thinned
+    }
+
+    /// The problem of fitting what is left when these values of every channel and sample are
+    /// explained.
+    ///
+    /// # Panics
+    ///
+    /// If there is not one value per sample and channel.
+    #[must_use]
+    pub fn less(&self, explained: &[Vec<f64>]) -> Self {
+        assert_eq!(explained.len(), self.targets.len(), "one array per channel");
+        let mut rest = self.clone();
+        for (targets, given) in rest.targets.iter_mut().zip(explained) {
+            assert_eq!(targets.len(), given.len(), "one value per sample");
+            targets.iter_mut().zip(given).for_each(|(target, given)| *target -= given);
+        }
+        rest
     }
 
     /// The same problem with at least this much smoothing.

@@ -3,8 +3,11 @@
 use std::f64::consts::TAU;
 
 use brdf_param::Projection;
+use glam::DQuat;
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::Rotation4;
 
 /// A generator that belongs to one start of one stage, so that starts may run in any order.
 #[derive(Clone, Debug)]
@@ -69,6 +72,17 @@ impl StartRng {
             x if x < 0.2 => self.turning_projection(),
             x if x < 0.8 => self.component_projection(),
             _ => self.projection(),
+        }
+    }
+
+    /// A uniformly distributed rotation.
+    pub(crate) fn rotation(&mut self) -> Rotation4 {
+        loop {
+            let [left, right] = [self.normal4(), self.normal4()].map(DQuat::from_array);
+            // Zero has probability 0.
+            if let Some(rotation) = Rotation4::new(left, right) {
+                return rotation;
+            }
         }
     }
 

@@ -50,5 +50,5 @@ pub(crate) fn new_planes(count: usize, seed: u64, terms: usize, set: usize) -> V
 }
 
 fn plane(index: usize, rng: &mut StartRng) -> Projection {
-    if index % 2 == 0 { rng.turning_projection() } else { rng.mixed_projection() }
+    if index.is_multiple_of(2) { rng.turning_projection() } else { rng.mixed_projection() }
 }

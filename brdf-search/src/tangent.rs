@@ -42,7 +42,7 @@ impl Tangent {
 }
 
 /// Two unit vectors perpendicular to two orthonormal ones and to each other.
-fn complement(a: DVec4, b: DVec4) -> [DVec4; 2] {
+pub(crate) fn complement(a: DVec4, b: DVec4) -> [DVec4; 2] {
     let reject = |v: DVec4, from: &[DVec4]| {
         // Twice, for full precision.
         let once = from.iter().fold(v, |v, f| v - v.dot(*f) * *f);

@@ -178,6 +178,21 @@ impl<'a> Level<'a> {
         Ok(self.solve_factored(projections, equations, factor))
     }
 
+    /// What the first `factors` of a solved set give for every sample of each channel.
+    pub(crate) fn explained_by(&self, set: &Solved, factors: usize) -> Vec<Vec<f64>> {
+        let starts = set.equations.starts();
+        set.textures
+            .iter()
+            .map(|texture| {
+                let mut values = vec![0.0; self.problem.len()];
+                for (index, columns) in set.equations.columns()[..factors].iter().enumerate() {
+                    columns.add_values(&texture[starts[index]..starts[index + 1]], &mut values);
+                }
+                values
+            })
+            .collect()
+    }
+
     fn columns(&self, projection: Projection) -> Result<Arc<Columns>, FactorError> {
         let factor = self.problem.empty_factor(&self.family.spec(projection), self.size)?;
         Ok(Arc::new(self.problem.columns(&factor)))
@@ -192,7 +207,7 @@ impl<'a> Level<'a> {
         let channels = self.weighted_targets.len();
         let mut sides = Mat::<f64>::zeros(equations.unknowns(), channels);
         for (channel, targets) in self.weighted_targets.iter().enumerate() {
-            if let Some(mut side) = sides.col_mut(channel).try_as_col_major_mut() {
+            if let Some(side) = sides.col_mut(channel).try_as_col_major_mut() {
                 let mut rest = side.as_slice_mut();
                 for columns in equations.columns() {
                     let (own, others) = rest.split_at_mut(columns.unknowns());
@@ -339,12 +354,11 @@ impl<'a> Level<'a> {
 
     /// √w (prediction − target).
     fn weighted_residuals(&self, set: &Solved, channel: usize) -> Vec<f64> {
+        let starts = set.equations.starts();
         let mut values = vec![0.0; self.problem.len()];
-        let mut rest = &set.textures[channel][..];
-        for columns in set.equations.columns() {
-            let (own, others) = rest.split_at(columns.unknowns());
+        for (index, columns) in set.equations.columns().iter().enumerate() {
+            let own = &set.textures[channel][starts[index]..starts[index + 1]];
             columns.add_values(own, &mut values);
-            rest = others;
         }
         let targets = &self.problem.targets()[channel];
         let rows = values.iter().zip(targets).zip(&self.weight_roots);

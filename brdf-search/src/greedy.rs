@@ -1,0 +1,233 @@
+//! The search of the thesis: one term after another, each by Powell's method from several starts.
+//!
+//! Source: Cole 2002, section 3.1.
+
+use brdf_factor::{FactorError, Problem};
+use brdf_param::Projection;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::control::{Control, Monitor};
+use crate::random::StartRng;
+use crate::starts::canonical_projections;
+use crate::varpro::{Level, Solved};
+use crate::{
+    Family, PowellParams, Rotation4, SearchError, SearchOutcome, TermOutcome, minimize_rotation,
+};
+
+/// What a greedy search minimises (Cole 2002, section 3.1.4). Textures are least-squares solutions in
+/// logarithms all the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Objective {
+    /// Weighted mean square of log residuals, smoothing terms included.
+    #[default]
+    Relative,
+    /// Mean square of linear residuals, sr⁻².
+    Absolute,
+    /// Mean of |log residual| + |linear residual|.
+    Blend,
+}
+
+/// Effort of a greedy search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GreedyParams {
+    /// Number of projections, 1 to 8.
+    pub terms: usize,
+    /// Texels along each side during the search.
+    pub texture_size: usize,
+    /// Random starts of every term, beside two canonical ones, at least 1.
+    pub restarts: usize,
+    /// Factors whose textures are solved for together, the new one included, at least 1; earlier ones
+    /// keep theirs. The thesis finds 2 much better than 1, and little beyond.
+    pub last: usize,
+    /// What is minimised.
+    pub objective: Objective,
+    /// When a descent ends.
+    pub powell: PowellParams,
+    /// Planes to start from, one for each term, beside the others: those of an earlier model, say.
+    pub start: Vec<Projection>,
+    /// Which random starts.
+    pub seed: u64,
+}
+
+impl Default for GreedyParams {
+    fn default() -> Self {
+        Self {
+            terms: 5,
+            texture_size: 16,
+            restarts: 6,
+            last: 2,
+            objective: Objective::Relative,
+            powell: PowellParams::default(),
+            start: Vec::new(),
+            seed: 1,
+        }
+    }
+}
+
+/// Canonical starts of every term: the first direction, and the sum of both.
+const CANONICAL: [usize; 2] = [0, 2];
+
+/// Adds one projection after another, each the best of several Powell descents over rotations.
+///
+/// Deterministic for any number of threads, unless it is stopped. A search that is stopped returns
+/// what it found; there is at least one term.
+///
+/// # Errors
+///
+/// [`SearchError`] for impossible options, before any work.
+pub fn search_greedy(
+    problem: &Problem,
+    family: &Family,
+    params: &GreedyParams,
+    control: Control<'_>,
+) -> Result<SearchOutcome, SearchError> {
+    family.check(problem, params.terms, params.texture_size)?;
+    for (option, value) in
+        [("the number of restarts", params.restarts), ("the number of terms solved together", params.last)]
+    {
+        if value == 0 {
+            return Err(SearchError::Option {
+                option,
+                value: "0".to_owned(),
+                expected: "1 or more",
+            });
+        }
+    }
+    let monitor = Monitor::new(control);
+    let mut greedy = Greedy {
+        // Factors whose textures may still change: fixed ones first, then searched ones.
+        active: Family { fixed: family.fixed.clone(), ..*family },
+        problem: problem.clone(),
+        explained: vec![vec![0.0; problem.len()]; problem.targets().len()],
+        params,
+        monitor: &monitor,
+    };
+    let mut terms: Vec<TermOutcome> = Vec::new();
+    while terms.len() < params.terms && (terms.is_empty() || !monitor.stopped()) {
+        let (plane, error) = greedy.next_term(terms.len())?;
+        let mut projections = terms.last().map_or(Vec::new(), |term| term.projections.clone());
+        projections.push(plane);
+        terms.push(TermOutcome { projections, error });
+    }
+    Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stopped() })
+}
+
+struct Greedy<'a, 'm> {
+    active: Family,
+    /// Less what factors with final textures explain.
+    problem: Problem,
+    /// What they explain, per channel and sample.
+    explained: Vec<Vec<f64>>,
+    params: &'a GreedyParams,
+    monitor: &'a Monitor<'m>,
+}
+
+impl Greedy<'_, '_> {
+    /// The best next projection, and the error with it.
+    fn next_term(&mut self, index: usize) -> Result<(Projection, f64), SearchError> {
+        let level = Level::new(&self.problem, self.params.texture_size, &self.active)?;
+        let known = level.solve(&[], self.monitor)?;
+        let starts = self.starts(index);
+        self.monitor.begin(index + 1, starts.len());
+        let minima: Result<Vec<(Projection, f64)>, SearchError> = starts
+            .par_iter()
+            .enumerate()
+            .filter(|(start, _)| *start == 0 || !self.monitor.stopped())
+            .map(|(_, start)| self.descend(&level, &known, start))
+            .collect();
+        // The first of equals, so that the number of threads does not matter.
+        let best = minima?.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
+        let Some((plane, error)) = best else { unreachable!("there is always a first start") };
+        let chosen = level.solve_after(&known, 0, &[plane], self.monitor)?;
+        let retired = (self.active.fixed.len() + 1).saturating_sub(self.params.last - 1);
+        let given = level.explained_by(&chosen, retired);
+        drop((level, known));
+        self.retire(retired, plane, &given);
+        Ok((plane, error))
+    }
+
+    /// Lets the first factors keep their textures for good.
+    fn retire(&mut self, count: usize, plane: Projection, given: &[Vec<f64>]) {
+        let next = self.active.spec(plane);
+        self.active.fixed.push(next);
+        self.active.fixed.drain(..count);
+        for (total, part) in self.explained.iter_mut().zip(given) {
+            total.iter_mut().zip(part).for_each(|(total, part)| *total += part);
+        }
+        self.problem = self.problem.less(given);
+    }
+
+    fn starts(&self, term: usize) -> Vec<Rotation4> {
+        let canonical = canonical_projections();
+        let given = self.params.start.get(term).copied();
+        let planes = given.into_iter().chain(CANONICAL.map(|index| canonical[index]));
+        let mut starts: Vec<Rotation4> =
+            planes.map(|plane| Rotation4::from_projection(&plane)).collect();
+        let mut rng = StartRng::new(self.params.seed, 201, term as u64);
+        starts.extend((0..self.params.restarts).map(|_| rng.rotation()));
+        starts
+    }
+
+    /// One descent; once the search is stopped, every further place looks infinitely bad.
+    fn descend(
+        &self,
+        level: &Level<'_>,
+        known: &Solved,
+        start: &Rotation4,
+    ) -> Result<(Projection, f64), SearchError> {
+        let mut failure: Option<FactorError> = None;
+        let mut first = true;
+        let error = |rotation: &Rotation4| {
+            if failure.is_some() || (self.monitor.stopped() && !first) {
+                return f64::INFINITY;
+            }
+            first = false;
+            match self.error(level, known, rotation.projection()) {
+                Ok(error) => error,
+                Err(problem) => {
+                    failure = Some(problem);
+                    f64::INFINITY
+                }
+            }
+        };
+        let minimum = minimize_rotation(error, start, &self.params.powell);
+        if let Some(problem) = failure {
+            return Err(problem.into());
+        }
+        self.monitor.finished(minimum.value);
+        Ok((minimum.rotation.projection(), minimum.value))
+    }
+
+    fn error(
+        &self,
+        level: &Level<'_>,
+        known: &Solved,
+        plane: Projection,
+    ) -> Result<f64, FactorError> {
+        if self.params.objective == Objective::Relative {
+            return level.energy_with(known, plane, self.monitor);
+        }
+        let set = level.solve_after(known, 0, &[plane], self.monitor)?;
+        let factors = self.active.fixed.len() + 1;
+        let given = level.explained_by(&set, factors);
+        let mut sum = 0.0;
+        for (channel, map) in self.problem.maps().iter().enumerate() {
+            let values = &self.problem.values()[channel];
+            for (sample, &f) in values.iter().enumerate() {
+                let fitted = self.explained[channel][sample] + given[channel][sample];
+                let linear = map.inverse(fitted).max(0.0) - f;
+                sum += match self.params.objective {
+                    Objective::Absolute => linear * linear,
+                    Objective::Relative | Objective::Blend => {
+                        linear.abs() + (fitted - map.forward(f)).abs()
+                    }
+                };
+            }
+        }
+        #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
+        let count = (self.problem.len() * self.problem.maps().len()) as f64;
+        Ok(sum / count)
+    }
+}
