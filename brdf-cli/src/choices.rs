@@ -1,11 +1,14 @@
 //! The choices of `brdf factor` and the library's enums behind them, so that libraries know no clap.
 
-use brdf_factor::{LogMap, Weight};
+use brdf_factor::{Coordinate, FactorSpec, LogMap, Weight};
 use brdf_param::{Bound, Space};
+use brdf_search::Objective;
 use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
+    /// One texture for each of the best projections, which are searched for
+    Search,
     /// p(wi) q(h) p(wo), two textures
     Mccool,
     /// p(|wi⊥|) q(|h⊥|) p(|wo⊥|), one-dimensional, isotropic materials
@@ -20,6 +23,39 @@ pub(crate) enum SpaceArg {
     Standard,
     /// Half and difference vector
     HalfDifference,
+    /// Search both; the lower error on validation pairs wins
+    Auto,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StrategyArg {
+    /// All projections together, by gradients, from many starts
+    Joint,
+    /// One projection after another by Powell's method, as in the thesis
+    Powell,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ObjectiveArg {
+    /// Mean square of log residuals
+    Relative,
+    /// Mean square of linear residuals
+    Absolute,
+    /// Mean of both absolute residuals
+    Blend,
+}
+
+/// Factors of given coordinates that stand beside the searched ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BesideArg {
+    /// p(wi) q(h) p(wo)
+    Mccool,
+    /// p(|wi⊥|) q(|h⊥|) p(|wo⊥|)
+    Radial,
+    /// The half vector, in whatever space the search takes place
+    H,
+    /// The difference vector
+    D,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -51,16 +87,59 @@ pub(crate) enum WeightArg {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Switch {
+pub(crate) enum ReciprocityArg {
     On,
     Off,
+    /// For --method search: try both; the lower error on validation pairs wins
+    Auto,
 }
 
-impl From<SpaceArg> for Space {
-    fn from(space: SpaceArg) -> Self {
-        match space {
-            SpaceArg::Standard => Self::Standard,
-            SpaceArg::HalfDifference => Self::HalfDifference,
+impl SpaceArg {
+    /// The spaces to search.
+    pub(crate) fn spaces(self) -> &'static [Space] {
+        match self {
+            Self::Standard => &[Space::Standard],
+            Self::HalfDifference => &[Space::HalfDifference],
+            Self::Auto => &[Space::Standard, Space::HalfDifference],
+        }
+    }
+}
+
+impl ReciprocityArg {
+    /// Whether light and viewer share textures; both where that is to be found out.
+    pub(crate) fn candidates(self) -> &'static [bool] {
+        match self {
+            Self::On => &[true],
+            Self::Off => &[false],
+            Self::Auto => &[true, false],
+        }
+    }
+}
+
+impl BesideArg {
+    pub(crate) fn specs(self, reciprocal: bool) -> Vec<FactorSpec> {
+        let one = |coordinate| {
+            if reciprocal {
+                FactorSpec::reciprocal(coordinate)
+            } else {
+                FactorSpec::single(coordinate)
+            }
+        };
+        match self {
+            Self::Mccool => FactorSpec::mccool(reciprocal),
+            Self::Radial => FactorSpec::radial(reciprocal),
+            Self::H => vec![one(Coordinate::H)],
+            Self::D => vec![one(Coordinate::D)],
+        }
+    }
+}
+
+impl From<ObjectiveArg> for Objective {
+    fn from(objective: ObjectiveArg) -> Self {
+        match objective {
+            ObjectiveArg::Relative => Self::Relative,
+            ObjectiveArg::Absolute => Self::Absolute,
+            ObjectiveArg::Blend => Self::Blend,
         }
     }
 }
@@ -68,6 +147,7 @@ impl From<SpaceArg> for Space {
 impl MethodArg {
     pub(crate) fn name(self) -> &'static str {
         match self {
+            Self::Search => "search",
             Self::Mccool => "mccool",
             Self::Radial => "radial",
             Self::Projections => "projections",

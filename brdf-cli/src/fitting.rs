@@ -4,18 +4,22 @@
 use std::time::Instant;
 
 use brdf_factor::{
-    CrossValidation, FactorError, FactorParams, FactorSpec, Fit, LogMap, cross_validate, factorize,
-    factorize_terms,
+    Coordinate, CrossValidation, FactorError, FactorParams, FactorSpec, Fit, LogMap, TermSolve,
+    cross_validate, factorize, factorize_terms,
 };
 use brdf_io::{FitSettings, TermRecord};
 use brdf_model::{
     Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, largest_albedo, log_offsets,
     measure,
 };
+use brdf_param::Projection;
+use brdf_search::SearchError;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::pictures::Grey;
 use crate::progress::Progress;
+use crate::searching::{Choice, Found, SearchPlan, SearchSamples};
 use crate::subject::Subject;
 
 /// Pairs of the held-out set of a material that can be drawn from.
@@ -38,6 +42,8 @@ pub(crate) enum Method {
     Together(Vec<FactorSpec>),
     /// Every leading part of the list is a model.
     Terms(Vec<FactorSpec>),
+    /// A search finds a model for every number of terms.
+    Search(SearchPlan),
 }
 
 /// Models by number of terms, their errors, and McCool's beside them.
@@ -45,9 +51,11 @@ pub(crate) struct Outcome {
     pub(crate) fits: Vec<Fit>,
     pub(crate) terms: Vec<TermRecord>,
     pub(crate) baseline: TermRecord,
-    /// Linear least-squares problems that were solved for the terms.
+    /// Linear least-squares problems that were solved for the terms, the search included.
     pub(crate) evaluations: usize,
-    /// Of the fit alone.
+    /// How the projections were found, if they were searched.
+    pub(crate) found: Option<Found>,
+    /// Of the fit and the search.
     pub(crate) seconds: f64,
     /// Rows or drawn pairs that were fitted, before they were copied.
     pub(crate) rows: usize,
@@ -83,40 +91,48 @@ pub(crate) fn run(
     method: &Method,
     settings: &FitSettings,
     progress: &Progress,
-) -> Result<Outcome, FactorError> {
+) -> Result<Outcome, SearchError> {
     progress.step("drawing samples");
     let training = Training::new(subject, channels, settings);
     if training.fitted.is_empty() {
-        return Err(FactorError::NoSamples { dropped: training.fitted.dropped().to_string() });
+        let dropped = training.fitted.dropped().to_string();
+        return Err(FactorError::NoSamples { dropped }.into());
     }
     progress.done(1);
 
-    progress.step("fitting");
     let start = Instant::now();
-    let fits = match method {
-        Method::Together(specs) => vec![factorize(&training.fitted, specs, &settings.params)?],
-        Method::Terms(specs) => factorize_terms(&training.fitted, specs, &settings.params)?,
+    let found = match method {
+        Method::Search(plan) => {
+            let samples = training.for_search(subject, channels, settings, plan.families.len());
+            Some(plan.run(&samples, &settings.params, progress)?)
+        }
+        Method::Together(_) | Method::Terms(_) => None,
     };
+    progress.step("fitting");
+    let models = match (method, &found) {
+        (Method::Together(specs), _) => vec![specs.clone()],
+        (Method::Terms(specs), _) => (1..=specs.len()).map(|n| specs[..n].to_vec()).collect(),
+        (Method::Search(_), Some(found)) => {
+            found.outcome.terms.iter().map(|t| found.family.specs(&t.projections)).collect()
+        }
+        (Method::Search(_), None) => Vec::new(),
+    };
+    let fits = fit_models(&training.fitted, &models, &settings.params)?;
     let seconds = start.elapsed().as_secs_f64();
     progress.done(2);
 
     progress.step("measuring");
     let terms: Result<Vec<TermRecord>, FactorError> = fits
-        .iter()
-        .enumerate()
-        .map(|(index, fit)| {
-            let specs = match method {
-                Method::Together(specs) => &specs[..],
-                Method::Terms(specs) => &specs[..=index],
-            };
-            training.record(fit, specs, &settings.params)
-        })
+        .par_iter()
+        .zip(&models)
+        .map(|(fit, specs)| training.record(fit, specs, &settings.params))
         .collect();
     let terms = terms?;
     progress.done(2);
 
     progress.step("fitting McCool's baseline");
-    let mccool = FactorSpec::mccool(settings.reciprocal);
+    let reciprocal = found.as_ref().map_or(settings.reciprocal, |found| found.family.reciprocal);
+    let mccool = FactorSpec::mccool(reciprocal);
     let baseline = match method {
         Method::Together(specs) if *specs == mccool => terms[0].clone(),
         _ => {
@@ -137,8 +153,35 @@ pub(crate) fn run(
     };
     let rows = training.rows.len();
     let scattered_coverage = subject.samples().map(|_| coverage(subject, settings));
-    let evaluations = fits.len();
-    Ok(Outcome { fits, terms, baseline, evaluations, seconds, rows, albedo, scattered_coverage })
+    let searched = found.as_ref().map_or(0, |f| f.tried.iter().map(|t| t.evaluations).sum());
+    let evaluations = searched + fits.len();
+    Ok(Outcome {
+        fits,
+        terms,
+        baseline,
+        evaluations,
+        found,
+        seconds,
+        rows,
+        albedo,
+        scattered_coverage,
+    })
+}
+
+/// The textures of every model: each on its own, or each with the textures that the one before
+/// leaves it.
+fn fit_models(
+    samples: &SampleSet,
+    models: &[Vec<FactorSpec>],
+    params: &FactorParams,
+) -> Result<Vec<Fit>, FactorError> {
+    match (params.terms, models.last()) {
+        (TermSolve::Last(_), Some(largest)) => {
+            let mut fits = factorize_terms(samples, largest, params)?;
+            Ok(fits.split_off(models[0].len() - 1))
+        }
+        _ => models.iter().map(|specs| factorize(samples, specs, params)).collect(),
+    }
 }
 
 impl Training {
@@ -174,6 +217,42 @@ impl Training {
         Self { rows, fitted, held_out }
     }
 
+    /// Samples for a search: measured rows in random order, so that a part of them is fair, and a
+    /// part set aside where there are several families to choose among.
+    fn for_search(
+        &self,
+        subject: &Subject,
+        channels: Channels,
+        settings: &FitSettings,
+        families: usize,
+    ) -> SearchSamples {
+        let fitted = match &self.held_out {
+            HeldOut::Drawn(_) => self.fitted.clone(),
+            HeldOut::Folds(_) => self.fitted.shuffled(settings.seed),
+        };
+        let choice = (families > 1).then(|| match &self.held_out {
+            HeldOut::Drawn(_) => {
+                let sampling = PairSampling {
+                    count: HELD_OUT_PAIRS,
+                    seed: ScrambledSobol::validation_seed(settings.seed),
+                    theta_max: settings.params.theta_max,
+                };
+                let unseen = SampleSet::draw(subject.brdf(), &sampling, channels);
+                Choice { fitted: fitted.clone(), unseen, is_complete: true }
+            }
+            HeldOut::Folds(folds) => {
+                let seed = ScrambledSobol::validation_seed(settings.seed);
+                let aside = self.rows.folds(FOLDS, seed).swap_remove(0);
+                let rest: Vec<usize> =
+                    (0..self.rows.len()).filter(|i| aside.binary_search(i).is_err()).collect();
+                let rest = self.rows.subset(&rest).replicated(folds.rotations, folds.reciprocal);
+                let unseen = self.rows.subset(&aside);
+                Choice { fitted: rest.shuffled(settings.seed), unseen, is_complete: false }
+            }
+        });
+        SearchSamples { fitted, choice }
+    }
+
     fn record(
         &self,
         fit: &Fit,
@@ -189,11 +268,23 @@ impl Training {
         };
         Ok(TermRecord {
             textures: fit.model.factors().len(),
+            projections: projections(specs),
             // Rotated copies of a row repeat its error but for the texel grid; the rows suffice.
             training: measure(&self.rows, &fit.model, &offsets),
             held_out,
         })
     }
+}
+
+/// The projection of each factor that has one.
+fn projections(specs: &[FactorSpec]) -> Vec<Projection> {
+    let first = specs.iter().filter_map(|spec| spec.coordinates.first());
+    first
+        .filter_map(|coordinate| match coordinate {
+            Coordinate::Projected { projection, .. } => Some(*projection),
+            _ => None,
+        })
+        .collect()
 }
 
 /// The rows that a log map can take: dropped before they are copied, so that rows are counted and

@@ -8,6 +8,7 @@ mod numbers;
 mod pictures;
 mod progress;
 mod report;
+mod searching;
 mod subject;
 
 use std::io::{self, ErrorKind, Write as _};

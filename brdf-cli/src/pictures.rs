@@ -1,5 +1,6 @@
 //! Spheres and strips for reports and for `render`.
 
+use brdf_factor::{ChannelMap, Factor, FactoredBrdf};
 use brdf_io::{IoError, OutputFolder, png_bytes, read_environment, write_exr};
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::DirectionPair;
@@ -15,6 +16,7 @@ use crate::subject::Subject;
 
 /// Side of the spheres in reports.
 const SPHERE_SIZE: usize = 256;
+const SMALL_SPHERE: usize = 128;
 /// How much differences are brightened.
 pub(crate) const GAIN: u8 = 4;
 
@@ -102,6 +104,10 @@ pub(crate) struct Pictures {
     pub(crate) comparison: Comparison,
     /// One for each factor: PNG and EXR.
     pub(crate) factors: Vec<(Vec<u8>, Vec<u8>)>,
+    /// One for each factor: its values alone, on a sphere.
+    pub(crate) factor_spheres: Vec<Vec<u8>>,
+    /// Spheres of the models of all numbers of textures.
+    pub(crate) by_terms: Vec<u8>,
 }
 
 impl Pictures {
@@ -117,22 +123,21 @@ impl Pictures {
         let reference = Grey::unless(channels == Channels::Rgb, subject.brdf());
         let comparison =
             comparison((&name, reference.as_brdf()), ("approximation", model), &light, &view);
-        let factors: anyhow::Result<Vec<_>> = model
-            .factors()
-            .iter()
-            .map(|factor| {
-                let grid = factor.grid();
-                let names = if channels == Channels::Rgb { &["R", "G", "B"][..] } else { &["Y"] };
-                let planes: Vec<(&str, Vec<f32>)> = names
-                    .iter()
-                    .enumerate()
-                    .map(|(c, name)| (*name, factor.texels().iter().map(|t| t[c]).collect()))
-                    .collect();
-                let exr = write_exr(grid.size, grid.rows(), &planes)?;
-                Ok((png(&texture_view(factor, channels))?, exr))
-            })
-            .collect();
-        Ok(Self { spheres: png(&comparison.picture)?, comparison, factors: factors? })
+        let factors = factor_files(model)?;
+        let sizes = outcome.fits.iter().map(|fit| fit.model.factors().len().to_string());
+        let materials: Vec<(String, &dyn Brdf)> =
+            sizes.zip(&outcome.fits).map(|(size, fit)| (size, &fit.model as &dyn Brdf)).collect();
+        let small = SphereView { size: SMALL_SPHERE, ..SphereView::default() };
+        let by_terms = line_up_plainly(&materials, &light, &small, comparison.exposure);
+        let factor_spheres: anyhow::Result<Vec<Vec<u8>>> =
+            model.factors().iter().map(|factor| factor_sphere(factor, channels)).collect();
+        Ok(Self {
+            spheres: png(&comparison.picture)?,
+            comparison,
+            factors,
+            factor_spheres: factor_spheres?,
+            by_terms: png(&by_terms)?,
+        })
     }
 
     pub(crate) fn write(&self, folder: &mut OutputFolder) -> anyhow::Result<()> {
@@ -143,6 +148,57 @@ impl Pictures {
         }
         Ok(())
     }
+}
+
+/// Each texture of a model as PNG, to look at, and as EXR: exact log values.
+pub(crate) fn factor_files(model: &FactoredBrdf) -> anyhow::Result<Vec<(Vec<u8>, Vec<u8>)>> {
+    let channels = model.channels();
+    let names = if channels == Channels::Rgb { &["R", "G", "B"][..] } else { &["Y"] };
+    let file = |factor: &Factor| {
+        let planes: Vec<(&str, Vec<f32>)> = names
+            .iter()
+            .enumerate()
+            .map(|(c, name)| (*name, factor.texels().iter().map(|t| t[c]).collect()))
+            .collect();
+        let exr = write_exr(factor.grid().size, factor.grid().rows(), &planes)?;
+        Ok((png(&texture_view(factor, channels))?, exr))
+    };
+    model.factors().iter().map(file).collect()
+}
+
+/// A model on a sphere, at its own exposure.
+pub(crate) fn model_sphere(model: &dyn Brdf) -> anyhow::Result<Vec<u8>> {
+    let light = Light::Directional(DirectionalLight::default());
+    let view = SphereView { size: SPHERE_SIZE, ..SphereView::default() };
+    let film = render_sphere(model, &light, &view);
+    png(&ToneMap::exposed_for(&film).apply(&film))
+}
+
+/// The values of one factor on a small sphere: where on it the factor brightens and darkens.
+fn factor_sphere(factor: &Factor, channels: Channels) -> anyhow::Result<Vec<u8>> {
+    let maps = vec![ChannelMap::Log; channels.count()];
+    let alone = FactoredBrdf::new(vec![factor.clone()], maps, std::f64::consts::FRAC_PI_2)?;
+    let light = Light::Directional(DirectionalLight::default());
+    let view = SphereView { size: SMALL_SPHERE, ..SphereView::default() };
+    let film = render_sphere(&alone, &light, &view);
+    png(&ToneMap::exposed_for(&film).apply(&film))
+}
+
+/// Spheres side by side, without differences.
+fn line_up_plainly(
+    materials: &[(String, &dyn Brdf)],
+    light: &Light,
+    view: &SphereView,
+    exposure: f64,
+) -> DisplayImage {
+    let panels: Vec<Panel> = materials
+        .iter()
+        .map(|(caption, brdf)| Panel {
+            picture: ToneMap { exposure }.apply(&render_sphere(*brdf, light, view)),
+            caption: caption.clone(),
+        })
+        .collect();
+    strip(&panels)
 }
 
 /// A material, or its luminance as grey to stand beside a model of one channel.

@@ -50,10 +50,7 @@ impl Tap {
     fn slope(&self, x: &[f64]) -> [f64; 2] {
         let [[a, b], [c, d]] = self.corners(x);
         let across = [c - a, d - b];
-        [
-            (b - a) + self.v * ((d - c) - (b - a)),
-            across[0] + self.u * (across[1] - across[0]),
-        ]
+        [(b - a) + self.v * ((d - c) - (b - a)), across[0] + self.u * (across[1] - across[0])]
     }
 }
 
@@ -215,9 +212,10 @@ impl Columns {
     /// Laplacian and ridge rows applied to texels: the part of A below the samples.
     pub(crate) fn regularized(&self, texels: &[f64]) -> Vec<f64> {
         let (smoothing, ridge) = (self.smoothing.sqrt(), self.ridge.sqrt());
-        let laplacian = self.neighbours.iter().zip(texels).map(|(around, own)| {
-            smoothing * around.iter().map(|n| texels[n] - own).sum::<f64>()
-        });
+        let laplacian =
+            self.neighbours.iter().zip(texels).map(|(around, own)| {
+                smoothing * around.iter().map(|n| texels[n] - own).sum::<f64>()
+            });
         laplacian.chain(texels.iter().map(|x| ridge * x)).collect()
     }
 

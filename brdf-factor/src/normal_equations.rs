@@ -183,9 +183,8 @@ impl CholeskyFactor {
             MemStack::new(&mut MemBuffer::new(scratch)),
             Default::default(),
         )
-        .map_err(|llt::factor::LltError::NonPositivePivot { index }| FactorError::Singular {
-            unknowns: size,
-            pivot: done + index,
+        .map_err(|llt::factor::LltError::NonPositivePivot { index }| {
+            FactorError::Singular { unknowns: size, pivot: done + index }
         })?;
         Ok(Self { size, values })
     }

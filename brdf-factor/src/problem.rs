@@ -96,8 +96,14 @@ impl Problem {
         let origin = keep.iter().map(|&at| self.origin[at]).collect();
         let weights = keep.iter().map(|&at| self.weights[at]).collect();
         let samples = self.samples.subset(&keep);
-        let thinned =
-            Self::assemble(self.params, samples, origin, self.maps.clone(), weights, self.theta_max);
+        let thinned = Self::assemble(
+            self.params,
+            samples,
+            origin,
+            self.maps.clone(),
+            weights,
+            self.theta_max,
+        );
         for (mine, theirs) in thinned.spaces.iter().zip(&self.spaces) {
             if let Some(whole) = theirs.get() {
                 let points = keep.iter().map(|&at| whole.points[at]).collect();
@@ -222,7 +228,10 @@ impl Problem {
             first: RADIUS_MARGIN * largest.first,
             second: RADIUS_MARGIN * largest.second,
         };
-        Factor::new(FactorDescription::new(&spec.coordinates, size, self.params.bound, radii)?, None)
+        Factor::new(
+            FactorDescription::new(&spec.coordinates, size, self.params.bound, radii)?,
+            None,
+        )
     }
 
     /// The columns of the design matrix that belong to a factor.
@@ -285,7 +294,11 @@ fn morton_order(samples: &SampleSet) -> Vec<usize> {
 /// Bits of four coordinates in [−1, 1], interleaved.
 fn morton_key(point: [f64; 4]) -> u64 {
     const BITS: u32 = 8;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a byte"
+    )]
     let cells = point.map(|x| (128.0 * (x + 1.0)).clamp(0.0, 255.0) as u64);
     let mut key = 0;
     for bit in (0..BITS).rev() {
@@ -305,8 +318,7 @@ mod tests {
     #[test]
     fn thinning_keeps_scales_and_the_given_order_returns() {
         let sampling = PairSampling { count: 500, seed: 1, theta_max: 1.2 };
-        let samples =
-            SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Luminance);
+        let samples = SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Luminance);
         let problem = Problem::new(&samples, &FactorParams::default()).unwrap();
         let radius = problem.space(Space::HalfDifference).radii;
         assert_eq!(problem.in_given_order(&problem.values()[0]), samples.values()[0]);

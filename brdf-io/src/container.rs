@@ -3,7 +3,8 @@
 //! A factored model: tensors `factor0`, `factor1` … hold log texels in f32: `[v, u, channel]` for two-dimensional
 //! factors, `[x, channel]` for one-dimensional ones; the record says how coordinates reach texels,
 //! and holds the log maps, the options and the errors of the fit. No time, path or thread count, so
-//! that equal runs give equal bytes.
+//! that equal runs give equal bytes. The best models of fewer textures follow as `of1.factor0`,
+//! `of2.factor0`, `of2.factor1` …
 //!
 //! A MERL-grid table: one tensor `cells`, f32 `[theta_h, theta_d, phi_d, channel]`, negative where
 //! invalid. Scattered samples: `directions`, f64 `[sample, 6]` (wi, then wo), and `values`, f64
@@ -13,7 +14,8 @@ use std::collections::HashMap;
 
 use brdf_factor::{ChannelMap, Factor, FactorDescription, FactorParams, FactoredBrdf};
 use brdf_model::{Channels, Dropped, FitErrors, MerlLookup, MerlTable, SampleSet};
-use brdf_param::DirectionPair;
+use brdf_param::{DirectionPair, Projection};
+use brdf_search::Objective;
 use glam::DVec3;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
@@ -57,14 +59,31 @@ pub enum Contained {
 pub struct ModelFile {
     /// The model.
     pub model: FactoredBrdf,
+    /// The best models of fewer textures, smallest first, with the same maps and grazing limit.
+    pub smaller: Vec<FactoredBrdf>,
     /// How it was made.
     pub fit: FitRecord,
+}
+
+impl ModelFile {
+    /// The file with the model of `textures` textures in place of the largest, and those below it;
+    /// `None` where there is none.
+    pub fn keep(mut self, textures: usize) -> Option<Self> {
+        let count = |model: &FactoredBrdf| model.factors().len();
+        if count(&self.model) != textures {
+            let at = self.smaller.iter().position(|model| count(model) == textures)?;
+            self.smaller.truncate(at + 1);
+            self.model = self.smaller.pop()?;
+        }
+        self.fit.terms.retain(|term| term.textures <= textures);
+        Some(self)
+    }
 }
 
 /// How a model was made and how good it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitRecord {
-    /// `mccool`, `radial` or `projections`.
+    /// `search`, `mccool`, `radial` or `projections`.
     pub method: String,
     /// What was fitted: a preset, or the name of a file without its folder.
     pub input: String,
@@ -93,6 +112,26 @@ pub struct FitSettings {
     pub seed: u64,
     /// Copies of scattered rows by rotation.
     pub replicate: u32,
+    /// How projections were searched, if they were.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchSettings>,
+}
+
+/// Options that decide a search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SearchSettings {
+    /// `joint` or `powell`.
+    pub strategy: String,
+    /// What a Powell search minimised.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub objective: Option<Objective>,
+    /// Largest number of projections asked for.
+    pub terms: usize,
+    /// Random starts.
+    pub restarts: usize,
+    /// Planes to start from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub start: Vec<Projection>,
 }
 
 /// Errors of the model with a number of terms.
@@ -100,6 +139,9 @@ pub struct FitSettings {
 pub struct TermRecord {
     /// Textures of the model.
     pub textures: usize,
+    /// Its projections, for each factor that has one; conjugates are left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub projections: Vec<Projection>,
     /// Over the training samples.
     #[serde(flatten)]
     pub training: FitErrors,
@@ -114,6 +156,9 @@ struct Record {
     theta_max: f64,
     maps: Vec<ChannelMap>,
     factors: Vec<FactorDescription>,
+    /// Of the models of fewer textures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    smaller: Vec<Vec<FactorDescription>>,
     fit: FitRecord,
 }
 
@@ -128,7 +173,8 @@ pub fn record_of(file: &ModelFile) -> Result<String, FormatError> {
         head: Head { kind: Kind::Factored, version: VERSION },
         theta_max: model.theta_max(),
         maps: model.maps().to_vec(),
-        factors: model.factors().iter().map(|f| f.description().clone()).collect(),
+        factors: descriptions(model),
+        smaller: file.smaller.iter().map(descriptions).collect(),
         fit: file.fit.clone(),
     };
     serde_json::to_string(&record).map_err(|e| library("model record", &e))
@@ -141,15 +187,14 @@ pub fn record_of(file: &ModelFile) -> Result<String, FormatError> {
 /// [`FormatError::Library`] if they cannot be put together.
 pub fn model_to_bytes(file: &ModelFile) -> Result<Vec<u8>, FormatError> {
     let channels = file.model.maps().len();
-    let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = file
-        .model
-        .factors()
-        .iter()
-        .enumerate()
-        .map(|(index, factor)| {
+    let smaller = file.smaller.iter().map(|model| (Some(model.factors().len()), model));
+    let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = std::iter::once((None, &file.model))
+        .chain(smaller)
+        .flat_map(|(part, model)| model.factors().iter().enumerate().map(move |f| (part, f)))
+        .map(|(part, (index, factor))| {
             let shape = tensor_shape(factor.description(), channels);
             let bytes = factor.texels().iter().flat_map(|texel| &texel[..channels]);
-            (tensor_name(index), shape, bytes.flat_map(|v| v.to_le_bytes()).collect())
+            (tensor_name(part, index), shape, bytes.flat_map(|v| v.to_le_bytes()).collect())
         })
         .collect();
     let tensors = tensors
@@ -244,19 +289,25 @@ pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, For
 fn read_factored(record: &str, tensors: &SafeTensors<'_>) -> Result<ModelFile, FormatError> {
     let record: Record = serde_json::from_str(record).map_err(|e| library("model record", &e))?;
     let channels = record.maps.len();
-    let factors: Result<Vec<Factor>, FormatError> = record
-        .factors
-        .into_iter()
-        .enumerate()
-        .map(|(index, description)| {
-            description.check()?;
-            let shape = tensor_shape(&description, channels);
-            let data = tensor(tensors, &tensor_name(index), Dtype::F32, &shape)?;
-            Ok(Factor::new(description, Some(texels(data, channels)))?)
-        })
-        .collect();
-    let model = FactoredBrdf::new(factors?, record.maps, record.theta_max)?;
-    Ok(ModelFile { model, fit: record.fit })
+    let model = |part: Option<usize>, descriptions: Vec<FactorDescription>| {
+        let factors: Result<Vec<Factor>, FormatError> = descriptions
+            .into_iter()
+            .enumerate()
+            .map(|(index, description)| {
+                description.check()?;
+                let shape = tensor_shape(&description, channels);
+                let data = tensor(tensors, &tensor_name(part, index), Dtype::F32, &shape)?;
+                Ok(Factor::new(description, Some(texels(data, channels)))?)
+            })
+            .collect();
+        Ok::<_, FormatError>(FactoredBrdf::new(factors?, record.maps.clone(), record.theta_max)?)
+    };
+    let smaller = record.smaller.into_iter().map(|part| model(Some(part.len()), part));
+    Ok(ModelFile {
+        smaller: smaller.collect::<Result<_, _>>()?,
+        model: model(None, record.factors)?,
+        fit: record.fit,
+    })
 }
 
 fn read_cells(tensors: &SafeTensors<'_>, lookup: MerlLookup) -> Result<MerlTable, FormatError> {
@@ -315,8 +366,16 @@ fn tensor<'a>(
     })
 }
 
-fn tensor_name(index: usize) -> String {
-    format!("factor{index}")
+fn descriptions(model: &FactoredBrdf) -> Vec<FactorDescription> {
+    model.factors().iter().map(|factor| factor.description().clone()).collect()
+}
+
+/// The name of a factor's tensor: of the model itself, or of the one with that many textures.
+fn tensor_name(textures: Option<usize>, index: usize) -> String {
+    match textures {
+        None => format!("factor{index}"),
+        Some(count) => format!("of{count}.factor{index}"),
+    }
 }
 
 fn tensor_shape(description: &FactorDescription, channels: usize) -> Vec<usize> {

@@ -25,8 +25,8 @@ mod utia;
 pub use alta::read_alta;
 pub use atomic::{OutputFolder, Overwrite, write_atomically};
 pub use container::{
-    Contained, FitRecord, FitSettings, ModelFile, TermRecord, model_to_bytes, read_container,
-    record_of, samples_to_bytes, table_to_bytes,
+    Contained, FitRecord, FitSettings, ModelFile, SearchSettings, TermRecord, model_to_bytes,
+    read_container, record_of, samples_to_bytes, table_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};
 pub use detect::{Format, detect};

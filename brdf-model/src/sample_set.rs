@@ -4,6 +4,8 @@ use std::fmt;
 
 use brdf_param::DirectionPair;
 use glam::DVec3;
+use rand_core::{Rng as _, SeedableRng as _};
+use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
 use crate::{Brdf, Channels, PairSampling, Rgb};
@@ -283,6 +285,15 @@ impl SampleSet {
             dropped: self.dropped,
             clamped: self.clamped,
         }
+    }
+
+    /// The samples in a random order, so that every leading part is a fair selection.
+    #[must_use]
+    pub fn shuffled(&self, seed: u64) -> Self {
+        let mut rng = SplitMix64::seed_from_u64(seed);
+        let mut keyed: Vec<(u64, usize)> = (0..self.len()).map(|i| (rng.next_u64(), i)).collect();
+        keyed.sort_unstable();
+        self.rearranged(&keyed.into_iter().map(|(_, index)| index).collect::<Vec<_>>())
     }
 
     /// The samples whose directions both lie within `theta_max` radians of the normal; the others

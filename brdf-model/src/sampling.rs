@@ -43,6 +43,11 @@ impl ScrambledSobol {
         hash_u64(seed ^ 0x4e6f_7453_6565_6e21)
     }
 
+    /// The seed of the scramble that choices are made by: neither fitted nor held out.
+    pub fn validation_seed(seed: u64) -> u64 {
+        hash_u64(seed ^ 0x5661_6c69_6461_7465)
+    }
+
     /// The point at `index`, in (0, 1)⁴.
     pub fn point(&self, index: u32) -> [f64; 4] {
         std::array::from_fn(|dimension| self.coordinate(index, dimension))

@@ -84,9 +84,10 @@ pub fn search_greedy(
     control: Control<'_>,
 ) -> Result<SearchOutcome, SearchError> {
     family.check(problem, params.terms, params.texture_size)?;
-    for (option, value) in
-        [("the number of restarts", params.restarts), ("the number of terms solved together", params.last)]
-    {
+    for (option, value) in [
+        ("the number of restarts", params.restarts),
+        ("the number of terms solved together", params.last),
+    ] {
         if value == 0 {
             return Err(SearchError::Option {
                 option,

@@ -49,10 +49,7 @@ impl StartRng {
         let (b, a) = (TAU * self.uniform()).sin_cos();
         let (sin, cos) = (TAU * self.uniform()).sin_cos();
         let mirror = if self.uniform() < 0.5 { -1.0 } else { 1.0 };
-        let rows = [
-            [a, 0.0, b * cos, -mirror * b * sin],
-            [0.0, a, b * sin, mirror * b * cos],
-        ];
+        let rows = [[a, 0.0, b * cos, -mirror * b * sin], [0.0, a, b * sin, mirror * b * cos]];
         Projection::from_rows(rows[0], rows[1]).unwrap_or(Projection::FIRST)
     }
 

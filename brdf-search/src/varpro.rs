@@ -220,11 +220,12 @@ impl<'a> Level<'a> {
         factor.solve_in_place(solution.as_mut());
         // At the minimum xᵀ(AᵀA)x = xᵀAᵀy, so that no pass over the samples is needed.
         let explained: f64 = (0..channels)
-            .map(|c| sides.col(c).iter().zip(solution.col(c).iter()).map(|(a, b)| a * b).sum::<f64>())
+            .map(|c| {
+                sides.col(c).iter().zip(solution.col(c).iter()).map(|(a, b)| a * b).sum::<f64>()
+            })
             .sum();
         let energy = ((self.target_energy - explained) * self.scale).max(0.0);
-        let textures =
-            (0..channels).map(|c| solution.col(c).iter().copied().collect()).collect();
+        let textures = (0..channels).map(|c| solution.col(c).iter().copied().collect()).collect();
         Solved { projections, equations, factor, textures, energy }
     }
 

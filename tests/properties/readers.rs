@@ -26,13 +26,27 @@ fn model_file() -> ModelFile {
     let params = FactorParams { texture_size: 4, ..FactorParams::default() };
     let fit = factorize(&samples, &FactorSpec::mccool(true), &params).unwrap();
     let training = measure(&samples, &fit.model, &log_offsets(&samples));
+    let one = factorize(&samples, &FactorSpec::mccool(true)[..1], &params).unwrap();
     ModelFile {
+        smaller: vec![one.model],
         fit: FitRecord {
             method: "mccool".to_owned(),
             input: "preset".to_owned(),
             space: "standard".to_owned(),
-            settings: FitSettings { params, reciprocal: true, samples: 300, seed: 1, replicate: 1 },
-            terms: vec![TermRecord { textures: 2, training, held_out: None }],
+            settings: FitSettings {
+                params,
+                reciprocal: true,
+                samples: 300,
+                seed: 1,
+                replicate: 1,
+                search: None,
+            },
+            terms: vec![TermRecord {
+                textures: 2,
+                projections: Vec::new(),
+                training,
+                held_out: None,
+            }],
             samples_used: fit.samples_used,
             dropped: fit.dropped,
         },

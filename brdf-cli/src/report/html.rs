@@ -5,9 +5,11 @@ use base64::engine::general_purpose::STANDARD;
 use brdf_factor::Coordinate;
 use brdf_io::TermRecord;
 use brdf_model::{ErrorMeasures, FitErrors};
+use brdf_param::Space;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Report;
+use super::chart::error_chart;
 use crate::fitting::Outcome;
 use crate::numbers::{bytes, or_dash, percent, significant};
 use crate::pictures::Pictures;
@@ -18,7 +20,8 @@ body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 62rem
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
 img { max-width: 100%; } .factors { display: flex; flex-wrap: wrap; gap: 1rem; }
 figure { margin: 0; } figcaption { font-size: .85rem; color: #52525b; max-width: 20rem; }
-.factors img { image-rendering: pixelated; width: 256px; }
+.factors img { image-rendering: pixelated; width: 256px; } .factors .sphere img { width: 128px; }
+.matrix { font-size: .75rem; margin: .4rem 0; }
 table { border-collapse: collapse; } th, td { padding: .25rem .7rem; text-align: right;
        border-bottom: 1px solid #d4d4d8; font-variant-numeric: tabular-nums; }
 th:first-child, td:first-child { text-align: left; } code { background: #eee; padding: .1rem .3rem; }
@@ -44,6 +47,7 @@ pub(crate) fn page(report: &Report, outcome: &Outcome, pictures: &Pictures) -> S
                 }
                 (spheres(pictures))
                 (errors(report))
+                (search(report, pictures))
                 (textures(outcome, pictures))
                 (samples(report))
                 h2 { "Command" }
@@ -104,6 +108,36 @@ fn errors(report: &Report) -> Markup {
     }
 }
 
+/// The chart of errors, the models by number of textures, and what the search cost.
+fn search(report: &Report, pictures: &Pictures) -> Markup {
+    let Some(search) = &report.search else { return html! {} };
+    html! {
+        h2 { "Error against number of textures" }
+        @if let Some(svg) = error_chart(&report.terms, &report.baseline.mccool) {
+            (PreEscaped(svg))
+        }
+        (picture(&pictures.by_terms, "the models by number of textures"))
+        p {
+            "The best model of each number of textures, at the exposure above. All are in the model file: "
+            code { "brdf factor --from model.safetensors --keep N" } " takes one out."
+        }
+        table {
+            tr { th { "searched" } th { "validation error" } th { "evaluations" } th { "seconds" } }
+            @for tried in &search.tried {
+                tr {
+                    td { (tried.space) @if tried.reciprocal { ", reciprocal" } }
+                    td { (or_dash(tried.validation)) }
+                    td { (tried.evaluations) }
+                    td { (significant(tried.seconds)) }
+                }
+            }
+        }
+        @if let Some(cause) = search.stopped {
+            p { "The search was stopped (" (cause) "): these are the best models found so far." }
+        }
+    }
+}
+
 fn error_rows(name: &str, term: &TermRecord) -> Markup {
     html! {
         (error_row(name, "training", Some(&term.training)))
@@ -132,41 +166,50 @@ fn textures(outcome: &Outcome, pictures: &Pictures) -> Markup {
     html! {
         h2 { "Textures" }
         div class="factors" {
-            @for (index, (factor, (png, _))) in factors.iter().zip(&pictures.factors).enumerate() {
+            @for (index, factor) in factors.iter().enumerate() {
                 figure {
-                    (picture(png, &format!("factor {index}")))
+                    (picture(&pictures.factors[index].0, &format!("factor {index}")))
+                    span class="sphere" {
+                        (picture(&pictures.factor_spheres[index], "the factor alone, on the sphere"))
+                    }
                     figcaption {
-                        "factor " (index) ": "
-                        (factor.coordinates().iter().map(in_words).collect::<Vec<_>>().join("; "))
+                        "factor " (index)
+                        @for coordinate in factor.coordinates() { (in_words(coordinate)) }
                     }
                 }
             }
         }
         p {
+            "Beside each texture, its values alone on the sphere, under the same light: where it "
+            "brightens and darkens. A matrix multiplies the parabolic coordinates of wi and wo, or of "
+            "h and d; the second, if any, is the reciprocal conjugate, which reads the same texture. "
             "Each channel scaled so that its largest value shows as white. Yellow: no direction "
             "pair reaches these texels. Exact log values are in the EXR files."
         }
     }
 }
 
-/// A coordinate as a reader would name it.
-fn in_words(coordinate: &Coordinate) -> String {
-    match coordinate {
-        Coordinate::Wi => "wi".to_owned(),
-        Coordinate::Wo => "wo".to_owned(),
-        Coordinate::H => "h".to_owned(),
-        Coordinate::D => "d".to_owned(),
-        Coordinate::RadialWi => "|wi⊥|".to_owned(),
-        Coordinate::RadialWo => "|wo⊥|".to_owned(),
-        Coordinate::RadialH => "|h⊥|".to_owned(),
+/// A coordinate as a reader would name it; projections as matrices of two rows.
+fn in_words(coordinate: &Coordinate) -> Markup {
+    let name = match coordinate {
+        Coordinate::Wi => "wi",
+        Coordinate::Wo => "wo",
+        Coordinate::H => "h",
+        Coordinate::D => "d",
+        Coordinate::RadialWi => "|wi⊥|",
+        Coordinate::RadialWo => "|wo⊥|",
+        Coordinate::RadialH => "|h⊥|",
         Coordinate::Projected { space, projection } => {
-            let rows = projection.rows().map(|row| {
-                let numbers = row.to_array().map(|v| format!("{v:+.3}"));
-                format!("[{}]", numbers.join(" "))
-            });
-            format!("{} · {} space", rows.join(" "), space.name())
+            let rows =
+                projection.rows().map(|row| row.to_array().map(|v| format!("{v:+.3}")).join("  "));
+            let columns = match space {
+                Space::Standard => "  wi.x    wi.y    wo.x    wo.y",
+                Space::HalfDifference => "  h.x     h.y     d.x     d.y",
+            };
+            return html! { pre class="matrix" { (columns) "\n" (rows.join("\n")) } };
         }
-    }
+    };
+    html! { " · " (name) }
 }
 
 fn samples(report: &Report) -> Markup {

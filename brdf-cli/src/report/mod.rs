@@ -1,14 +1,18 @@
 //! What `brdf factor` reports: the JSON, and the page around it.
 
+mod chart;
 pub(crate) mod html;
+pub(crate) mod notes;
 
-use brdf_factor::{EvalCounts, Solver};
+use brdf_factor::{Coordinate, EvalCounts, FactoredBrdf, Solver};
 use brdf_io::{FitSettings, TermRecord};
 use brdf_model::{Channels, Dropped, PairSampling};
 use brdf_param::Space;
 use serde::Serialize;
 
+use self::notes::stop_cause;
 use crate::fitting::{Albedo, Outcome};
+use crate::searching::{Found, SearchPlan, Tried};
 use crate::subject::Subject;
 
 /// `report.json`. The first key marks the folder as ours.
@@ -24,8 +28,11 @@ pub(crate) struct Report {
     pub(crate) samples: Samples,
     pub(crate) terms: Vec<TermRecord>,
     pub(crate) baseline: Baseline,
-    evaluations: usize,
+    pub(crate) evaluations: usize,
     pub(crate) seconds: f64,
+    /// How projections were searched, if they were.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) search: Option<SearchReport>,
     pub(crate) bytes: usize,
     /// Largest directional albedos within the model's grazing limit.
     pub(crate) albedo: Albedo,
@@ -37,6 +44,24 @@ pub(crate) struct Report {
     pub(crate) notes: Vec<String>,
     #[serde(skip)]
     pub(crate) name: String,
+}
+
+/// How projections were searched.
+#[derive(Serialize)]
+pub(crate) struct SearchReport {
+    /// Projections asked for.
+    terms: usize,
+    /// Why the search ended early, if it did.
+    pub(crate) stopped: Option<&'static str>,
+    /// Every family that was searched, in order; the last of several may be the winner, searched
+    /// again with all rows.
+    pub(crate) tried: Vec<Tried>,
+}
+
+impl SearchReport {
+    pub(crate) fn new(plan: &SearchPlan, found: &Found) -> Self {
+        Self { terms: plan.terms, stopped: stop_cause(found), tried: found.tried.clone() }
+    }
 }
 
 #[derive(Serialize)]
@@ -83,7 +108,7 @@ impl Report {
         outcome: &Outcome,
         settings: FitSettings,
         method: &'static str,
-        space: Space,
+        search: Option<SearchReport>,
         channels: Channels,
         notes: Vec<String>,
     ) -> Self {
@@ -95,7 +120,7 @@ impl Report {
             input: subject.argument.clone(),
             model: "model.safetensors",
             method,
-            space: space.name(),
+            space: space_of(&fit.model).name(),
             samples: Samples {
                 used: outcome.rows,
                 fitted: fit.samples_used,
@@ -106,6 +131,7 @@ impl Report {
             baseline: Baseline { mccool: outcome.baseline.clone() },
             evaluations: outcome.evaluations,
             seconds: outcome.seconds,
+            search,
             bytes: fit.model.payload_bytes(),
             albedo: outcome.albedo,
             channels,
@@ -126,4 +152,16 @@ impl Report {
             name: subject.short_name(),
         }
     }
+}
+
+/// The space of a model's projections; standard where it has none.
+fn space_of(model: &FactoredBrdf) -> Space {
+    let coordinates = model.factors().iter().flat_map(|factor| factor.coordinates());
+    coordinates
+        .filter_map(|coordinate| match coordinate {
+            Coordinate::Projected { space, .. } => Some(*space),
+            _ => None,
+        })
+        .next()
+        .unwrap_or(Space::Standard)
 }

@@ -1,36 +1,44 @@
 //! `brdf factor`.
 
+mod keep;
+mod plan;
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use brdf_factor::{FactorParams, FactorSpec, TermSolve};
-use brdf_io::{
-    FitRecord, FitSettings, IoError, MappedFile, ModelFile, OutputFolder, ProjectionFile,
-    TermRecord, model_to_bytes, read_projections,
-};
+use brdf_factor::{FactorParams, TermSolve};
+use brdf_io::{FitRecord, FitSettings, ModelFile, OutputFolder, TermRecord, model_to_bytes};
 use brdf_model::{Channels, SampleSet};
-use brdf_param::Space;
 
-use crate::args::{PairArgs, ReadArgs, not_negative, usage};
-use crate::choices::{BoundArg, LogMapArg, MethodArg, SpaceArg, Switch, WeightArg};
-use crate::fitting::{self, Albedo, Method, Outcome};
-use crate::numbers::{bytes, or_dash, percent, significant};
+use self::keep::KeepArgs;
+use self::plan::SearchArgs;
+use crate::args::{PairArgs, ReadArgs, not_negative};
+use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
+use crate::fitting::{self, Method, Outcome};
+use crate::numbers::{bytes, or_dash, significant};
 use crate::pictures::Pictures;
 use crate::progress::Progress;
-use crate::report::{Report, html};
+use crate::report::notes::{fit_notes, scattered_notes, search_notes};
+use crate::report::{Report, SearchReport, html};
+use crate::searching::finish_on_interrupt;
 use crate::subject::Subject;
 
 /// Factor a BRDF into small textures, say how good they are, and show it
 ///
-/// Fits log f(wi, wo) = Σ log p_j(π_j(wi, wo)) by least squares and writes one folder:
-/// model.safetensors, each texture as EXR (log values, exact) and PNG (to look at), spheres.png
-/// (reference, approximation, difference ×4), report.html and report.json.
+/// Searches for the projections π_j under which log f(wi, wo) = Σ log p_j(π_j(wi, wo)) fits best,
+/// solves for the textures p_j by least squares, and writes one folder: model.safetensors with the
+/// best model of every number of textures, each texture as EXR (log values, exact) and PNG (to look
+/// at), spheres.png (reference, approximation, difference ×4), report.html and report.json. Ctrl-C
+/// ends a search with the best found so far.
 ///
 /// Examples:
 ///   brdf factor                                    the built-in blue paint, into ./brdf-out
 ///   brdf factor garnet_red.brdf -o garnet          a measured file
+///   brdf factor silk.binary --terms 3 --space half-difference --texture-size 32
+///   brdf factor --from garnet/model.safetensors --keep 2 -o small
+///   brdf factor preset:ggx --method mccool         two textures over fixed coordinates, at once
 ///   brdf factor preset:ggx --method projections --projections planes.toml --space half-difference
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -40,7 +48,7 @@ pub(super) struct Factor {
     input: String,
 
     /// Which coordinates the textures have
-    #[arg(long, value_enum, default_value_t = MethodArg::Mccool)]
+    #[arg(long, value_enum, default_value_t = MethodArg::Search)]
     method: MethodArg,
 
     /// For --method projections: JSON or TOML with `projections`, one pair of rows for each texture.
@@ -50,13 +58,14 @@ pub(super) struct Factor {
     #[arg(long, value_name = "FILE")]
     projections: Option<PathBuf>,
 
-    /// Space that projections act on [default: standard]
+    /// Space that projections act on [default: auto for --method search, else standard]
     #[arg(long, value_enum)]
     space: Option<SpaceArg>,
 
-    /// Texels along each side of a texture
-    #[arg(long, value_name = "TEXELS", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=1024))]
-    texture_size: u32,
+    /// Texels along each side of a texture; projections are searched at 16 and used for all sizes
+    /// [default: 24 for --method search, else 32]
+    #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(2..=1024))]
+    texture_size: Option<u32>,
 
     /// Direction pairs to draw and fit; scattered measurements give their own rows
     #[arg(long, default_value_t = 45_000, value_parser = clap::value_parser!(u32).range(1..))]
@@ -79,8 +88,8 @@ pub(super) struct Factor {
     weight: WeightArg,
 
     /// Whether light and viewer share textures, so that exchanging them changes nothing
-    #[arg(long, value_enum, default_value_t = Switch::On)]
-    reciprocal: Switch,
+    #[arg(long, value_enum, default_value_t = ReciprocityArg::On)]
+    reciprocal: ReciprocityArg,
 
     /// Copies of each sample, turned about the normal in equal steps: what isotropic materials are
     /// known to do [default: 32 for scattered rows lit from one azimuth, else 1; 1 for --method
@@ -108,26 +117,31 @@ pub(super) struct Factor {
     json: bool,
 
     #[command(flatten)]
+    search: SearchArgs,
+
+    #[command(flatten)]
+    keep: KeepArgs,
+
+    #[command(flatten)]
     read: ReadArgs,
 }
 
-/// Fewer directions of light than this leave most of the light's texture to smoothing.
-const FEW_INCIDENCES: usize = 8;
-/// Rows near less than this share of the domain leave most of the fit to smoothing.
-const SPARSE: f64 = 0.5;
-
 impl Factor {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
-        let (method, space) = self.method()?;
+        if let Some(kept) = self.keep.open()? {
+            return keep::run(kept, &self.output, self.force, self.json, out);
+        }
+        let method = self.plan()?;
         let subject = Subject::open(&self.input, &self.read.options())?;
         // Opened first, so that an output that cannot be written is known before the work.
         let mut folder = OutputFolder::new(&self.output, self.force)?;
         let channels = self.pairs.channels(subject.channels());
-        let settings = self.settings(&subject);
+        let settings = self.settings(&subject, &method);
         let progress = Progress::new(12);
+        finish_on_interrupt();
         let outcome = fitting::run(&subject, channels, &method, &settings, &progress)
             .with_context(|| self.input.clone())?;
-        let report = self.report(&subject, &outcome, settings, space, channels);
+        let report = self.report(&subject, &outcome, settings, &method, channels);
 
         progress.step("rendering");
         let pictures = Pictures::new(&subject, &outcome, channels)?;
@@ -149,55 +163,7 @@ impl Factor {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// The factors to fit, and the space they are in.
-    fn method(&self) -> anyhow::Result<(Method, Space)> {
-        let reciprocal = self.reciprocal == Switch::On;
-        if self.method != MethodArg::Projections {
-            if self.space.is_some_and(|space| space != SpaceArg::Standard) {
-                return Err(usage(format!(
-                    "--method {} has coordinates of its own: --space half-difference does not \
-                     apply to it",
-                    self.method.name()
-                )));
-            }
-            if self.projections.is_some() {
-                return Err(usage("--projections is for --method projections"));
-            }
-        }
-        Ok(match self.method {
-            MethodArg::Mccool => {
-                (Method::Together(FactorSpec::mccool(reciprocal)), Space::Standard)
-            }
-            MethodArg::Radial => {
-                (Method::Together(FactorSpec::radial(reciprocal)), Space::Standard)
-            }
-            MethodArg::Projections => {
-                let Some(path) = &self.projections else {
-                    return Err(usage("--method projections needs --projections FILE"));
-                };
-                let bytes = MappedFile::open(path)?;
-                let text = String::from_utf8_lossy(&bytes);
-                let ProjectionFile { space, projections } =
-                    read_projections(&text).map_err(IoError::format(path))?;
-                let asked = self.space.map(Space::from);
-                if let (Some(asked), Some(found)) = (asked, space)
-                    && asked != found
-                {
-                    return Err(usage(format!(
-                        "--space {} contradicts {}, whose projections are in {} space",
-                        asked.name(),
-                        path.display(),
-                        found.name()
-                    )));
-                }
-                let space = asked.or(space).unwrap_or(Space::Standard);
-                let specs = FactorSpec::projections(space, &projections, reciprocal);
-                (Method::Terms(specs), space)
-            }
-        })
-    }
-
-    fn settings(&self, subject: &Subject) -> FitSettings {
+    fn settings(&self, subject: &Subject, method: &Method) -> FitSettings {
         let replicate = match (self.replicate, self.method) {
             (Some(copies), _) => copies,
             (None, MethodArg::Radial) => 1,
@@ -206,28 +172,39 @@ impl Factor {
         };
         FitSettings {
             params: FactorParams {
-                texture_size: self.texture_size as usize,
+                texture_size: self.texture_size() as usize,
                 bound: self.bound.into(),
                 smoothing: self.smoothing,
                 log_map: self.log_map.into(),
                 weight: self.weight.into(),
-                terms: TermSolve::All,
+                terms: match method {
+                    Method::Search(plan) => plan.term_solve(),
+                    Method::Together(_) | Method::Terms(_) => TermSolve::All,
+                },
                 theta_max: self.pairs.theta_max(),
                 solver: None,
             },
-            reciprocal: self.reciprocal == Switch::On,
+            reciprocal: self.reciprocal != ReciprocityArg::Off,
             samples: self.samples,
             seed: self.seed,
             replicate,
+            search: match method {
+                Method::Search(plan) => Some(plan.settings()),
+                Method::Together(_) | Method::Terms(_) => None,
+            },
         }
+    }
+
+    fn texture_size(&self) -> u32 {
+        self.texture_size.unwrap_or(if self.method == MethodArg::Search { 24 } else { 32 })
     }
 
     fn report(
         &self,
         subject: &Subject,
         outcome: &Outcome,
-        settings: FitSettings,
-        space: Space,
+        mut settings: FitSettings,
+        method: &Method,
         channels: Channels,
     ) -> Report {
         let mut notes = subject.notes().to_vec();
@@ -239,102 +216,32 @@ impl Factor {
                 if channels == Channels::Rgb { " (--luminance avoids most of it)" } else { "" }
             ));
         }
+        if let Some(found) = &outcome.found {
+            settings.reciprocal = found.family.reciprocal;
+        }
         if let Some(rows) = subject.samples() {
             notes.extend(scattered_notes(rows, outcome, &settings));
         } else if settings.replicate > 1 {
             notes.push(format!("each pair was fitted {} times, turned", settings.replicate));
         }
+        let search = match (method, &outcome.found) {
+            (Method::Search(plan), Some(found)) => {
+                notes.extend(search_notes(plan, found, subject.samples().is_some()));
+                Some(SearchReport::new(plan, found))
+            }
+            _ => None,
+        };
         notes.extend(fit_notes(outcome));
-        Report::new(subject, outcome, settings, self.method.name(), space, channels, notes)
+        Report::new(subject, outcome, settings, self.method.name(), search, channels, notes)
     }
-}
-
-/// What is wrong with a fit that its errors alone do not show.
-fn fit_notes(outcome: &Outcome) -> Vec<String> {
-    let mut notes = Vec::new();
-    let (rows, unknowns) = (outcome.rows, outcome.last().unknowns);
-    if rows < unknowns {
-        notes.push(format!(
-            "{rows} rows for {unknowns} texels: between the rows textures are only smoothed; \
-             --texture-size 16 --smoothing 1e-2 gives a calmer picture"
-        ));
-    }
-    if outcome.terms.iter().any(|term| term.held_out.is_none()) {
-        notes.push(
-            "too few rows to hold any out: nothing is known about unseen directions".to_owned(),
-        );
-    }
-    let Albedo { reference, model } = outcome.albedo;
-    if model > 1.0 {
-        notes.push(format!(
-            "the model reflects up to {} times the light that arrives{}; more smoothing or \
-             --weight f may mend it",
-            significant(model),
-            reference.map_or_else(String::new, |r| format!(" (the reference {})", significant(r)))
-        ));
-    } else if let Some(reference) = reference
-        && !(0.8..=1.25).contains(&(model / reference))
-    {
-        notes.push(format!(
-            "the model's largest albedo is {}, the reference's {}: its highlights are off; --weight f \
-             favours them",
-            significant(model),
-            significant(reference)
-        ));
-    }
-    notes
-}
-
-/// What scattered rows were turned into, and what they cannot tell.
-fn scattered_notes(rows: &SampleSet, outcome: &Outcome, settings: &FitSettings) -> Vec<String> {
-    let mut notes = vec![if settings.replicate > 1 {
-        format!(
-            "the material was taken to be isotropic: every row was fitted {} times, turned about \
-             the normal",
-            settings.replicate
-        )
-    } else if rows.has_one_light_azimuth() {
-        "rows were fitted as measured, without turned copies".to_owned()
-    } else {
-        "light comes from several azimuths, so the material was not taken to be isotropic: rows were \
-         fitted as measured (--replicate 32 adds turned copies)"
-            .to_owned()
-    }];
-    if settings.reciprocal {
-        notes.push(
-            "light and viewer share textures, so every row stands for its reciprocal too"
-                .to_owned(),
-        );
-    }
-    if outcome.terms.iter().all(|term| term.held_out.is_some()) {
-        notes.push(
-            "held-out errors are 10-fold: rows are split before they are copied, twins together"
-                .to_owned(),
-        );
-    }
-    let incidences = brdf_model::summarize(rows).incidences;
-    if incidences < FEW_INCIDENCES {
-        notes.push(format!(
-            "the data has only {incidences} directions of light: between them the fit is smoothing, \
-             not measurement"
-        ));
-    }
-    if let Some(share) = outcome.scattered_coverage
-        && share < SPARSE
-    {
-        notes.push(format!(
-            "only {} of direction pairs have a row nearby: elsewhere the fit is smoothing, not \
-             measurement, and the reference sphere has holes",
-            percent(share)
-        ));
-    }
-    notes
 }
 
 fn model_file(report: &Report, outcome: &Outcome) -> ModelFile {
     let fit = outcome.last();
+    let smaller = &outcome.fits[..outcome.fits.len() - 1];
     ModelFile {
         model: fit.model.clone(),
+        smaller: smaller.iter().map(|fit| fit.model.clone()).collect(),
         fit: FitRecord {
             method: report.method.to_owned(),
             input: report.name.clone(),
@@ -362,6 +269,18 @@ fn summarise(
         significant(report.seconds)
     )?;
     let held_out = |term: &TermRecord| or_dash(term.held_out.as_ref().map(|e| e.log.mean_square));
+    if let Some(search) = &report.search {
+        writeln!(
+            out,
+            "{} projections, {}, {} evaluations",
+            report.space,
+            if report.settings.reciprocal { "reciprocal" } else { "not reciprocal" },
+            report.evaluations
+        )?;
+        if let Some(cause) = search.stopped {
+            writeln!(out, "stopped early ({cause}): the best found so far")?;
+        }
+    }
     for term in &report.terms {
         writeln!(
             out,

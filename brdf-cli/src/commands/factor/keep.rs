@@ -1,0 +1,95 @@
+//! `brdf factor --from MODEL --keep N`: a smaller model out of a larger one, without fitting again.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::bail;
+use brdf_io::{Measured, ModelFile, OutputFolder, ReadOptions, model_to_bytes, open_measurement};
+
+use crate::numbers::{bytes, or_dash, significant};
+use crate::pictures::{factor_files, model_sphere};
+
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "A smaller model of an earlier search")]
+pub(super) struct KeepArgs {
+    /// Take the model from this file instead of fitting one
+    #[arg(long, value_name = "MODEL", requires = "keep", conflicts_with_all = ["input", "method"])]
+    from: Option<PathBuf>,
+
+    /// Number of textures to keep: the best model of that many
+    #[arg(long, value_name = "N", requires = "from")]
+    keep: Option<u32>,
+}
+
+impl KeepArgs {
+    /// The model asked for, if one was.
+    pub(super) fn open(&self) -> anyhow::Result<Option<ModelFile>> {
+        let (Some(path), Some(keep)) = (&self.from, self.keep) else { return Ok(None) };
+        let measurement = open_measurement(path, &ReadOptions::default())?;
+        let Measured::Model(file) = measurement.measured else {
+            bail!("{}: holds no model; expected one of `brdf factor`", path.display());
+        };
+        let sizes: Vec<String> = file
+            .smaller
+            .iter()
+            .chain([&file.model])
+            .map(|model| model.factors().len().to_string())
+            .collect();
+        match file.keep(keep as usize) {
+            Some(kept) => Ok(Some(kept)),
+            None => bail!(
+                "{}: no model of {keep} textures; expected one of {}",
+                path.display(),
+                sizes.join(", ")
+            ),
+        }
+    }
+}
+
+/// Writes the folder of a kept model. There is no reference to compare with: errors are those of its
+/// record.
+pub(super) fn run(
+    kept: ModelFile,
+    output: &Path,
+    force: bool,
+    json: bool,
+    out: &mut impl Write,
+) -> anyhow::Result<ExitCode> {
+    let mut folder = OutputFolder::new(output, force)?;
+    folder.write("model.safetensors", &model_to_bytes(&kept)?)?;
+    folder.write("sphere.png", &model_sphere(&kept.model)?)?;
+    for (index, (png, exr)) in factor_files(&kept.model)?.iter().enumerate() {
+        folder.write(&format!("factor-{index}.png"), png)?;
+        folder.write(&format!("factor-{index}.exr"), exr)?;
+    }
+    let report = serde_json::to_string_pretty(&serde_json::json!({
+        "brdf": env!("CARGO_PKG_VERSION"),
+        "model": "model.safetensors",
+        "bytes": kept.model.payload_bytes(),
+        "fit": kept.fit,
+    }))?;
+    folder.write("report.json", report.as_bytes())?;
+    let place = folder.finish()?;
+    if json {
+        writeln!(out, "{report}")?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let textures = kept.model.factors().len();
+    writeln!(
+        out,
+        "{}: {textures} textures, {}",
+        kept.fit.input,
+        bytes(kept.model.payload_bytes())
+    )?;
+    if let Some(term) = kept.fit.terms.iter().find(|term| term.textures == textures) {
+        writeln!(
+            out,
+            "mean square log error {}, held out {} (as recorded)",
+            significant(term.training.log.mean_square),
+            or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
+        )?;
+    }
+    writeln!(out, "{}", place.join("model.safetensors").display())?;
+    Ok(ExitCode::SUCCESS)
+}

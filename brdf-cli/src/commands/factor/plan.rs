@@ -1,0 +1,216 @@
+//! From the arguments of `brdf factor` to what is fitted or searched.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use brdf_factor::{Coordinate, FactorSpec};
+use brdf_io::{
+    Format, IoError, MappedFile, Measured, ProjectionFile, ReadOptions, detect, open_measurement,
+    read_projections,
+};
+use brdf_param::{Projection, Space};
+use brdf_search::{Family, Objective};
+
+use super::Factor;
+use crate::args::{positive, usage};
+use crate::choices::{BesideArg, MethodArg, ObjectiveArg, SpaceArg, StrategyArg};
+use crate::fitting::Method;
+use crate::searching::{SearchPlan, Strategy};
+
+/// How projections are searched.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Search (--method search)")]
+pub(super) struct SearchArgs {
+    /// How projections are searched [default: joint]
+    #[arg(long, value_enum)]
+    search: Option<StrategyArg>,
+
+    /// Largest number of projections; models of fewer are kept too [default: 5]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    terms: Option<u8>,
+
+    /// Random starts: of two planes together for joint (three quarters as many of three), of each
+    /// term for powell [default: 40, 6]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    restarts: Option<u32>,
+
+    /// What --search powell minimises [default: relative]
+    #[arg(long, value_enum)]
+    objective: Option<ObjectiveArg>,
+
+    /// Projections to start from beside the others: a model that brdf wrote, or a file as for
+    /// --projections. `mccool` keeps McCool's factors and searches from there
+    #[arg(long, value_name = "FILE|mccool")]
+    start: Option<String>,
+
+    /// Factors over fixed coordinates that every model has beside the searched ones
+    #[arg(long, value_enum)]
+    beside: Option<BesideArg>,
+
+    /// End the search after this many seconds with the best found so far
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    time_limit: Option<f64>,
+}
+
+impl SearchArgs {
+    /// The first option that was given, if any.
+    fn given(&self) -> Option<&'static str> {
+        [
+            (self.search.is_some(), "--search"),
+            (self.terms.is_some(), "--terms"),
+            (self.restarts.is_some(), "--restarts"),
+            (self.objective.is_some(), "--objective"),
+            (self.start.is_some(), "--start"),
+            (self.beside.is_some(), "--beside"),
+            (self.time_limit.is_some(), "--time-limit"),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
+    }
+}
+
+impl Factor {
+    /// What is to be done.
+    pub(super) fn plan(&self) -> anyhow::Result<Method> {
+        if self.method != MethodArg::Projections && self.projections.is_some() {
+            return Err(usage(
+                "--projections is for --method projections (--start begins a search)",
+            ));
+        }
+        if self.method == MethodArg::Search {
+            return Ok(Method::Search(self.search_plan()?));
+        }
+        let name = self.method.name();
+        if let Some(option) = self.search.given() {
+            return Err(usage(format!("{option} is for --method search, not {name}")));
+        }
+        let Some(reciprocal) = single(self.reciprocal.candidates()) else {
+            return Err(usage(format!("--reciprocal auto is for --method search, not {name}")));
+        };
+        if self.space == Some(SpaceArg::Auto) {
+            return Err(usage(format!("--space auto is for --method search, not {name}")));
+        }
+        if self.method != MethodArg::Projections && self.space == Some(SpaceArg::HalfDifference) {
+            return Err(usage(format!(
+                "--method {name} has coordinates of its own: --space half-difference does not \
+                 apply to it"
+            )));
+        }
+        Ok(match self.method {
+            MethodArg::Radial => Method::Together(FactorSpec::radial(reciprocal)),
+            MethodArg::Projections => {
+                let Some(path) = &self.projections else {
+                    return Err(usage("--method projections needs --projections FILE"));
+                };
+                let (projections, space) = self.projections_of(path)?;
+                let space = space.unwrap_or(Space::Standard);
+                Method::Terms(FactorSpec::projections(space, &projections, reciprocal))
+            }
+            MethodArg::Mccool | MethodArg::Search => {
+                Method::Together(FactorSpec::mccool(reciprocal))
+            }
+        })
+    }
+
+    fn search_plan(&self) -> anyhow::Result<SearchPlan> {
+        let args = &self.search;
+        let strategy = match (args.search.unwrap_or(StrategyArg::Joint), args.objective) {
+            (StrategyArg::Joint, None) => Strategy::Joint,
+            (StrategyArg::Joint, Some(_)) => {
+                return Err(usage(
+                    "--objective is for --search powell; --weight f or f2 leads the joint search \
+                     towards linear error",
+                ));
+            }
+            (StrategyArg::Powell, objective) => {
+                Strategy::Powell(objective.map_or(Objective::Relative, Into::into))
+            }
+        };
+        let mccool = args.start.as_deref() == Some("mccool");
+        if mccool && args.beside.is_some() {
+            return Err(usage("--start mccool and --beside both name fixed factors; give one"));
+        }
+        let (start, space) = match args.start.as_deref() {
+            Some(file) if !mccool => self.projections_of(Path::new(file))?,
+            _ => (Vec::new(), self.space.and_then(|space| single(space.spaces()))),
+        };
+        let beside = if mccool { Some(BesideArg::Mccool) } else { args.beside };
+        let spaces = space.map_or(SpaceArg::Auto.spaces().to_vec(), |space| vec![space]);
+        let families = spaces
+            .into_iter()
+            .flat_map(|space| {
+                self.reciprocal.candidates().iter().map(move |&reciprocal| Family {
+                    space,
+                    reciprocal,
+                    fixed: beside.map_or_else(Vec::new, |beside| beside.specs(reciprocal)),
+                })
+            })
+            .collect();
+        Ok(SearchPlan {
+            strategy,
+            terms: args.terms.map_or(5, usize::from),
+            restarts: args.restarts.map(|count| count as usize),
+            families,
+            start,
+            seed: self.seed,
+            time_limit: args.time_limit.map(Duration::from_secs_f64),
+        })
+    }
+
+    /// The projections of a file and their space, which must be the one asked for, if any.
+    fn projections_of(&self, path: &Path) -> anyhow::Result<(Vec<Projection>, Option<Space>)> {
+        let bytes = MappedFile::open(path)?;
+        let ProjectionFile { space, projections } = if matches!(detect(&bytes), Ok(Format::Native))
+        {
+            let measurement = open_measurement(path, &ReadOptions::default())?;
+            let Measured::Model(file) = measurement.measured else {
+                anyhow::bail!("{}: holds no model; expected one of `brdf factor`", path.display());
+            };
+            searched_projections(&file.model)
+                .with_context(|| format!("{}: no usable projections", path.display()))?
+        } else {
+            let text = String::from_utf8_lossy(&bytes);
+            read_projections(&text).map_err(IoError::format(path))?
+        };
+        let asked = self.space.and_then(|space| single(space.spaces()));
+        if let (Some(asked), Some(found)) = (asked, space)
+            && asked != found
+        {
+            return Err(usage(format!(
+                "--space {} contradicts {}, whose projections are in {} space",
+                asked.name(),
+                path.display(),
+                found.name()
+            )));
+        }
+        Ok((projections, asked.or(space)))
+    }
+}
+
+/// The projections of a model's factors; other factors have none.
+fn searched_projections(model: &brdf_factor::FactoredBrdf) -> anyhow::Result<ProjectionFile> {
+    let found: Vec<(Space, Projection)> = model
+        .factors()
+        .iter()
+        .filter_map(|factor| match factor.coordinates()[0] {
+            Coordinate::Projected { space, projection } => Some((space, projection)),
+            _ => None,
+        })
+        .collect();
+    let Some(&(space, _)) = found.first() else {
+        anyhow::bail!("the model has no projections; expected at least one");
+    };
+    if found.iter().any(|(other, _)| *other != space) {
+        anyhow::bail!("projections in both spaces; expected one");
+    }
+    let projections = found.into_iter().map(|(_, projection)| projection).collect();
+    Ok(ProjectionFile { space: Some(space), projections })
+}
+
+fn single<T: Copy>(choices: &[T]) -> Option<T> {
+    match choices {
+        [only] => Some(*only),
+        _ => None,
+    }
+}
