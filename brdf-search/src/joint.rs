@@ -49,11 +49,19 @@ const MEDIUM: (usize, usize) = (16, 12_288);
 const COARSE_SMOOTHING: f64 = 1e-3;
 /// Sets carried from one number of terms to the next.
 const BEAM: usize = 4;
-/// For each set of the beam: planes tried beside it, those that are moved alone, and those that are
-/// then moved with the rest.
-const TRIED: usize = 32;
-const MOVED_ALONE: usize = 8;
-const MOVED_TOGETHER: usize = 3;
+/// How many planes compete to become the next of a set.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Planes tried beside each set.
+    tried: usize,
+    /// Of those, how many for each set are moved alone.
+    moved_alone: usize,
+    /// Of those, how many for each set are then moved with the rest.
+    moved_together: usize,
+}
+
+const GROW: Effort = Effort { tried: 24, moved_alone: 6, moved_together: 2 };
+const EXCHANGE: Effort = Effort { tried: 24, moved_alone: 5, moved_together: 1 };
 /// Largest number of terms for which random sets compete with grown ones.
 const RANDOM_TERMS: usize = 3;
 /// Sets whose errors differ by less than this share are taken for the same.
@@ -69,17 +77,17 @@ struct Heat {
     factor: f64,
 }
 
-const fn heat(steps: usize, keep: usize, factor: f64) -> Heat {
-    Heat { limits: Limits { steps, tolerance: 1e-3 }, keep, factor }
+const fn heat(steps: usize, tolerance: f64, keep: usize, factor: f64) -> Heat {
+    Heat { limits: Limits { steps, tolerance }, keep, factor }
 }
 
 const ALONE: Limits = Limits { steps: 4, tolerance: 1e-2 };
-const COARSE_HEATS: [Heat; 2] = [heat(6, 12, 1.6), heat(14, BEAM, 1.5)];
-const MEDIUM_HEATS: [Heat; 2] = [heat(3, 2, 1.5), heat(6, 1, 1.5)];
+const COARSE_HEATS: [Heat; 2] = [heat(6, 1e-3, 12, 1.6), heat(14, 3e-3, BEAM, 1.5)];
+const MEDIUM_HEATS: [Heat; 2] = [heat(2, 1e-3, 2, 1.5), heat(6, 1e-3, 1, 1.5)];
 /// For numbers of terms below the largest.
-const EARLY_MEDIUM_HEATS: [Heat; 1] = [heat(4, 1, 1.5)];
+const EARLY_MEDIUM_HEATS: [Heat; 1] = [heat(5, 1e-3, 1, 1.5)];
 const FINE_STEPS: usize = 2;
-const EARLY_FINE_STEPS: usize = 1;
+const EARLY_FINE_STEPS: usize = 0;
 
 /// Searches for the projections that fit best together, for every number of terms up to the largest.
 ///
@@ -130,7 +138,7 @@ fn coarse_beams(
             starts.push(Candidate::new(params.start[..terms].to_vec()));
         }
         let grown = match beams.last() {
-            Some(beam) => grow(&level, beam, params, monitor)?,
+            Some(beam) => grow(&level, beam, GROW, params, monitor)?,
             None => Vec::new(),
         };
         monitor.begin(terms, starts.len() + grown.len());
@@ -143,6 +151,10 @@ fn coarse_beams(
         let mut beam = race(&level, starts, &heats, monitor)?;
         beam.extend(race(&level, grown, &heats, monitor)?);
         beam.sort_by(|a, b| a.energy.total_cmp(&b.energy));
+        if terms == params.terms && terms > 1 && !monitor.stopped() {
+            beam.extend(exchanged(&level, &beam[0], params, monitor)?);
+            beam = select(beam, BEAM, f64::INFINITY);
+        }
         beams.push(beam);
     }
     Ok(beams)
@@ -158,10 +170,29 @@ fn random_starts(terms: usize, params: &JointParams) -> Vec<Candidate> {
     joint_starts(terms, count, params.seed).into_iter().map(Candidate::new).collect()
 }
 
+/// The best set with each of its planes in turn exchanged for another: what grew plane by plane may
+/// have kept one that a later plane makes superfluous.
+fn exchanged(
+    level: &Level<'_>,
+    best: &Candidate,
+    params: &JointParams,
+    monitor: &Monitor<'_>,
+) -> Result<Vec<Candidate>, SearchError> {
+    let without = |dropped: usize| {
+        let mut rest = best.projections.clone();
+        rest.remove(dropped);
+        Candidate::new(rest)
+    };
+    let smaller: Vec<Candidate> = (0..best.projections.len()).map(without).collect();
+    let grown = grow(level, &smaller, EXCHANGE, params, monitor)?;
+    race(level, grown, &COARSE_HEATS, monitor)
+}
+
 /// Every set of a beam with one plane more: of many that are tried, those that help most.
 fn grow(
     level: &Level<'_>,
     beam: &[Candidate],
+    effort: Effort,
     params: &JointParams,
     monitor: &Monitor<'_>,
 ) -> Result<Vec<Candidate>, SearchError> {
@@ -171,7 +202,9 @@ fn grow(
     let terms = beam.first().map_or(0, |set| set.projections.len());
     let mut planes: Vec<(usize, Projection)> = Vec::new();
     for set in 0..beam.len() {
-        planes.extend(new_planes(TRIED, params.seed, terms, set).into_iter().map(|p| (set, p)));
+        planes.extend(
+            new_planes(effort.tried, params.seed, terms, set).into_iter().map(|p| (set, p)),
+        );
         planes.extend(params.start.get(terms).map(|&plane| (set, plane)));
     }
     let energies: Result<Vec<f64>, _> = planes
@@ -183,12 +216,12 @@ fn grow(
         .collect();
     let mut order: Vec<(f64, (usize, Projection))> = energies?.into_iter().zip(planes).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    order.truncate(MOVED_ALONE * beam.len());
+    order.truncate(effort.moved_alone * beam.len());
     let moved: Result<Vec<Candidate>, _> = order
         .par_iter()
         .map(|&(_, (set, plane))| level.improve_last(&known[set], plane, ALONE, monitor))
         .collect();
-    Ok(select(moved?, MOVED_TOGETHER * beam.len(), f64::INFINITY))
+    Ok(select(moved?, effort.moved_together * beam.len(), f64::INFINITY))
 }
 
 /// Runs candidates in heats and returns the survivors, best first.

@@ -329,7 +329,7 @@ impl<'a> Level<'a> {
             }
             self.remove_absorbed(set, &jacobian, &mut matrix);
         }
-        Linearized { tangents, matrix, diagonal, gradient, scale: self.scale }
+        Linearized { tangents, matrix, diagonal, gradient }
     }
 
     /// Subtracts what textures can absorb: JᵀA (AᵀA)⁻¹ AᵀJ.
@@ -455,15 +455,9 @@ pub(crate) struct Linearized {
     diagonal: Vec<f64>,
     /// Jᵀr.
     gradient: Vec<f64>,
-    scale: f64,
 }
 
 impl Linearized {
-    /// Derivatives of the energy along every tangent direction.
-    pub(crate) fn energy_gradient(&self) -> Vec<f64> {
-        self.gradient.iter().map(|g| 2.0 * self.scale * g).collect()
-    }
-
     /// Projections after a damped step.
     pub(crate) fn step(&self, projections: &[Projection], damping: f64) -> Vec<Projection> {
         let width = self.gradient.len();
@@ -507,4 +501,82 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 fn dot4(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
+
+#[cfg(test)]
+mod tests {
+    use brdf_factor::{FactorParams, FactorSpec};
+    use brdf_model::{Channels, PairSampling, Preset, SampleSet};
+    use brdf_param::Bound;
+
+    use super::*;
+    use crate::control::Control;
+    use crate::random::StartRng;
+
+    /// The oracle moves each projection a little and solves again. Derivatives are those of one piece:
+    /// a step that carries a sample over the edge of a texel sees a kink, so most directions must
+    /// agree closely and all roughly.
+    #[test]
+    fn derivatives_agree_with_finite_differences() {
+        let sampling = PairSampling { count: 3_000, seed: 1, theta_max: 1.3 };
+        let monitor = Monitor::new(Control::default());
+        let mut rng = StartRng::new(1, 0, 0);
+        for (preset, channels) in [(0, Channels::Luminance), (3, Channels::Rgb)] {
+            let samples = SampleSet::draw(&Preset::ALL[preset].brdf(), &sampling, channels);
+            for space in [Space::Standard, Space::HalfDifference] {
+                for (bound, reciprocal) in
+                    [(Bound::Disc, true), (Bound::Cube, true), (Bound::Disc, false)]
+                {
+                    let params = FactorParams { bound, ..FactorParams::default() };
+                    let problem = Problem::new(&samples, &params).unwrap();
+                    let fixed = FactorSpec::radial(reciprocal);
+                    let family = Family { fixed, ..Family::new(space, reciprocal) };
+                    let level = Level::new(&problem, 5, &family).unwrap();
+                    let planes = [rng.projection(), rng.projection()];
+                    let set = level.solve(&planes, &monitor).unwrap();
+                    let local = level.linearize(&set, 0);
+                    let mut close = 0;
+                    for direction in 0..2 * DIRECTIONS {
+                        let at = |length: f64| {
+                            let mut lengths = vec![0.0; 2 * DIRECTIONS];
+                            lengths[direction] = length;
+                            let moved: Vec<Projection> = planes
+                                .iter()
+                                .zip(&local.tangents)
+                                .zip(lengths.chunks_exact(DIRECTIONS))
+                                .map(|((plane, tangent), lengths)| tangent.step(plane, lengths))
+                                .collect();
+                            level.solve(&moved, &monitor).unwrap().energy
+                        };
+                        let step = 1e-5;
+                        let difference = (at(step) - at(-step)) / (2.0 * step);
+                        let derivative = 2.0 * level.scale * local.gradient[direction];
+                        let off = (difference - derivative).abs();
+                        close += usize::from(off <= 1e-3 * derivative.abs() + 1e-6);
+                        assert!(
+                            off <= 0.05 * derivative.abs() + 2e-3,
+                            "{space:?} {bound:?} {reciprocal} {direction}: {difference} {derivative}"
+                        );
+                    }
+                    assert!(close >= 6, "{space:?} {bound:?} {reciprocal}: {close} of 10");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_projection_moved_alone_is_solved_as_if_from_scratch() {
+        let sampling = PairSampling { count: 2_000, seed: 1, theta_max: 1.3 };
+        let samples = SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Rgb);
+        let problem = Problem::new(&samples, &FactorParams::default()).unwrap();
+        let family = Family::new(Space::HalfDifference, true);
+        let level = Level::new(&problem, 8, &family).unwrap();
+        let monitor = Monitor::new(Control::default());
+        let mut rng = StartRng::new(2, 0, 0);
+        let [a, b, c] = [rng.projection(), rng.projection(), rng.projection()];
+        let known = level.solve(&[a, b], &monitor).unwrap();
+        let moved = level.solve_after(&known, 1, &[c], &monitor).unwrap().energy;
+        let fresh = level.solve(&[a, c], &monitor).unwrap().energy;
+        assert!((moved - fresh).abs() < 1e-12, "{moved} {fresh}");
+    }
 }

@@ -12,3 +12,4 @@ mod models;
 mod parametrizations;
 mod projections;
 mod readers;
+mod search;
