@@ -226,9 +226,11 @@ impl Training {
         settings: &FitSettings,
         families: usize,
     ) -> SearchSamples {
+        // No more copies of rows than there would be drawn pairs: planes do not need them.
+        let fair = |rows: SampleSet| rows.shuffled(settings.seed).thinned(settings.samples as usize);
         let fitted = match &self.held_out {
             HeldOut::Drawn(_) => self.fitted.clone(),
-            HeldOut::Folds(_) => self.fitted.shuffled(settings.seed),
+            HeldOut::Folds(_) => fair(self.fitted.clone()),
         };
         let choice = (families > 1).then(|| match &self.held_out {
             HeldOut::Drawn(_) => {
@@ -247,7 +249,7 @@ impl Training {
                     (0..self.rows.len()).filter(|i| aside.binary_search(i).is_err()).collect();
                 let rest = self.rows.subset(&rest).replicated(folds.rotations, folds.reciprocal);
                 let unseen = self.rows.subset(&aside);
-                Choice { fitted: rest.shuffled(settings.seed), unseen, is_complete: false }
+                Choice { fitted: fair(rest), unseen, is_complete: false }
             }
         });
         SearchSamples { fitted, choice }

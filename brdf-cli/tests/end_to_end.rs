@@ -48,12 +48,17 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
-const QUICK: [&str; 4] = ["--texture-size", "8", "--samples", "3000"];
+/// A fit over fixed coordinates, at once.
+const QUICK: [&str; 6] = ["--method", "mccool", "--texture-size", "8", "--samples", "3000"];
+/// A small search.
+const SEARCH: [&str; 10] = [
+    "--terms", "2", "--restarts", "4", "--texture-size", "8", "--samples", "3000", "--seed", "2",
+];
 
 #[test]
-fn factor_without_arguments_writes_its_folder() {
+fn factor_without_input_writes_its_folder() {
     let root = TempDir::new().unwrap();
-    let out = succeed(root.path(), &["factor"]);
+    let out = succeed(root.path(), &[&["factor"], &QUICK[..]].concat());
     assert!(out.contains("2 textures"), "{out}");
     let names = ["model.safetensors", "spheres.png", "report.html", "report.json"];
     let factors = ["factor-0.exr", "factor-0.png", "factor-1.exr", "factor-1.png"];
@@ -63,8 +68,9 @@ fn factor_without_arguments_writes_its_folder() {
     }
     let page = fs::read_to_string(root.path().join("brdf-out/report.html")).unwrap();
     assert!(page.contains("data:image/png;base64,") && !page.contains("src=\"http"));
-    // Once more, over itself.
-    succeed(root.path(), &["factor"]);
+    // Once more, over itself, now by a search.
+    let out = succeed(root.path(), &[&["factor"], &SEARCH[..]].concat());
+    assert!(out.contains("projections, reciprocal") && out.contains("McCool"), "{out}");
     assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1, "nothing is left beside it");
 }
 
@@ -152,10 +158,10 @@ fn compare_json_has_the_documented_keys() {
 #[test]
 fn models_are_byte_identical_for_any_number_of_threads_and_runs() {
     let root = TempDir::new().unwrap();
-    let model = |threads: &str, folder: &str| {
+    let model = |threads: &str, folder: &str, options: &[&str]| {
         let status = Command::new(env!("CARGO_BIN_EXE_brdf"))
             .args(["factor", "preset:ward", "-o", folder])
-            .args(QUICK)
+            .args(options)
             .env("RAYON_NUM_THREADS", threads)
             .current_dir(root.path())
             .output()
@@ -164,9 +170,11 @@ fn models_are_byte_identical_for_any_number_of_threads_and_runs() {
         ["model.safetensors", "factor-0.exr", "spheres.png"]
             .map(|name| fs::read(root.path().join(folder).join(name)).unwrap())
     };
-    let one = model("1", "a");
-    assert_eq!(one, model("2", "b"));
-    assert_eq!(one, model("1", "c"));
+    for options in [&QUICK[..], &SEARCH] {
+        let one = model("1", "a", options);
+        assert_eq!(one, model("2", "b", options));
+        assert_eq!(one, model("1", "c", options));
+    }
 }
 
 #[test]
@@ -210,6 +218,25 @@ fn every_method_and_option_runs() {
         r#"{"space": "half-difference", "projections": [[[1,0,0,0],[0,1,0,0]]]}"#,
     )
     .unwrap();
+    let searches: [&[&str]; 7] = [
+        &["--luminance", "--reciprocal", "auto", "--space", "standard"],
+        &["--space", "half-difference", "--weight", "f", "--beside", "h"],
+        &["--search", "powell", "--space", "half-difference", "--luminance", "--objective", "blend"],
+        &["--start", "planes.toml"],
+        &["--start", "planes.json", "--reciprocal", "off"],
+        &["--start", "mccool", "--space", "standard"],
+        &["--time-limit", "0.001", "--luminance"],
+    ];
+    for run in searches {
+        let arguments = [&["factor", "preset:plastic", "--json"], &SEARCH[..], run].concat();
+        let report = json(&succeed(root.path(), &arguments));
+        let best = report["terms"].as_array().unwrap().last().unwrap();
+        let error = best["held_out"]["log"]["mean_square"].as_f64().unwrap();
+        assert!(error < 1.0, "{run:?}: {error}");
+        assert!(!best["projections"].as_array().unwrap().is_empty(), "{run:?}");
+        let stopped = report["search"]["stopped"].as_str();
+        assert_eq!(stopped, run.contains(&"0.001").then_some("time limit"), "{run:?}");
+    }
     let runs: [&[&str]; 9] = [
         &["--method", "radial"],
         &["--method", "radial", "--reciprocal", "off"],
@@ -222,7 +249,8 @@ fn every_method_and_option_runs() {
         &["--luminance", "--bound", "cube", "--reciprocal", "off"],
     ];
     for run in runs {
-        let arguments = [&["factor", "preset:plastic", "--json"], &QUICK[..], run].concat();
+        let method = if run[0] == "--method" { &QUICK[2..] } else { &QUICK };
+        let arguments = [&["factor", "preset:plastic", "--json"], method, run].concat();
         let report = json(&succeed(root.path(), &arguments));
         let terms = report["terms"].as_array().unwrap();
         let error = terms.last().unwrap()["held_out"]["log"]["mean_square"].as_f64().unwrap();
@@ -230,6 +258,39 @@ fn every_method_and_option_runs() {
         let limit = if run.contains(&"highlight") { 100.0 } else { 1.0 };
         assert!(error.is_finite() && error < limit, "{run:?}: {error}");
     }
+}
+
+/// The models of fewer textures in a file are those that the search reported.
+#[test]
+fn a_smaller_model_can_be_kept_later() {
+    let root = TempDir::new().unwrap();
+    let arguments = [&["factor", "preset:plastic", "--json"], &SEARCH[..]].concat();
+    let report = json(&succeed(root.path(), &arguments));
+    let model = "brdf-out/model.safetensors";
+    let kept = succeed(root.path(), &["factor", "--from", model, "--keep", "1", "-o", "small"]);
+    assert!(kept.contains("1 textures"), "{kept}");
+    let compared = [
+        "compare",
+        "preset:plastic",
+        "small/model.safetensors",
+        "--samples",
+        "3000",
+        "--seed",
+        "2",
+        "--json",
+    ];
+    let found = json(&succeed(root.path(), &compared));
+    let measure = |report: &Value| report["log"]["mean_square"].as_f64().unwrap();
+    let (recorded, again) = (measure(&report["terms"][0]), measure(&found["results"][0]));
+    assert!((recorded - again).abs() < 1e-9, "{recorded} {again}");
+    let none = fail(root.path(), &["factor", "--from", model, "--keep", "3", "-o", "none"], 1);
+    assert!(none.contains("1, 2"), "{none}");
+    // A model is a start for the next search, in its own space.
+    let space = report["space"].as_str().unwrap();
+    let other = if space == "standard" { "half-difference" } else { "standard" };
+    let start = [&["factor", "--start", model, "-o", "next", "--luminance"], &SEARCH[..]].concat();
+    succeed(root.path(), &start);
+    fail(root.path(), &[&start[..], &["--space", other]].concat(), 2);
 }
 
 #[test]
@@ -271,12 +332,18 @@ fn bad_input_gets_one_clear_line() {
 #[test]
 fn wrong_usage_exits_with_2() {
     let root = TempDir::new().unwrap();
-    let cases: [&[&str]; 9] = [
+    let cases: [&[&str]; 15] = [
+        &["factor", "--terms", "9"],
+        &["factor", "--method", "mccool", "--terms", "3"],
+        &["factor", "--method", "radial", "--reciprocal", "auto"],
+        &["factor", "--objective", "absolute"],
+        &["factor", "--from", "model.safetensors"],
+        &["factor", "--start", "mccool", "--beside", "h"],
         &["factor", "--texture-size", "0"],
         &["factor", "--texture-size", "1"],
         &["factor", "--texture-size", "100000"],
         &["factor", "--smoothing=-1"],
-        &["factor", "--space", "half-difference"],
+        &["factor", "--method", "mccool", "--space", "half-difference"],
         &["factor", "--method", "radial", "--space", "half-difference"],
         &["factor", "--method", "projections"],
         &["factor", "--max-theta-deg", "91"],
@@ -363,7 +430,7 @@ fn the_readme_evaluates_a_model_in_numpy() {
     assert!(snippet.lines().filter(|line| !line.trim().is_empty()).count() <= 10, "ten lines");
 
     let root = TempDir::new().unwrap();
-    succeed(root.path(), &["factor"]);
+    succeed(root.path(), &["factor", "--method", "mccool"]);
     succeed(root.path(), &["sample", "preset:ggx", "-n", "100", "-o", "pairs.csv"]);
     let model = "brdf-out/model.safetensors";
     let expected = succeed(root.path(), &["eval", model, "--directions", "pairs.csv"]);

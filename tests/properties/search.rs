@@ -58,9 +58,9 @@ proptest! {
         prop_assert!(distance(&back.to_matrix(), &a.to_matrix()) < 1e-9);
         let log = a.shortest_log();
         prop_assert!(distance(&Rotation4::from_log(log).to_matrix(), &a.to_matrix()) < 1e-9);
-        // Half angles of the two quaternions: no log is longer than a quarter turn of both.
+        // Of half angles (α, β) and (π − α, π − β) the shorter is at most π long.
         let length = (log[0].length_squared() + log[1].length_squared()).sqrt();
-        prop_assert!(length <= std::f64::consts::FRAC_PI_2 * 2.0_f64.sqrt() + 1e-9, "{length}");
+        prop_assert!(length <= std::f64::consts::PI + 1e-9, "{length}");
         let mirrored = a.to_matrix() * DMat4::from_diagonal(DVec4::new(1.0, 1.0, 1.0, -1.0));
         prop_assert!(Rotation4::from_matrix(&mirrored).is_none(), "a mirror is no rotation");
     }

@@ -51,7 +51,7 @@ fn draw(
         .margin(12)
         .x_label_area_size(36)
         .y_label_area_size(64)
-        .build_cartesian_2d(first - 0.2..last + 0.2, (low..high).log_scale())?;
+        .build_cartesian_2d(first - 0.2..last + 0.2, low.log10()..high.log10())?;
     chart
         .configure_mesh()
         .disable_x_mesh()
@@ -59,19 +59,20 @@ fn draw(
         .x_label_formatter(&|x| {
             if (x - x.round()).abs() < 1e-6 { format!("{x:.0}") } else { String::new() }
         })
-        .y_label_formatter(&|y| format!("{y:.0e}"))
+        .y_label_formatter(&|y| format!("{:.1e}", 10_f64.powf(*y)))
         .x_desc("textures")
         .y_desc("mean square log error")
         .draw()?;
     let line = |points: &[(f64, f64)], colour: RGBColor| {
-        LineSeries::new(points.to_vec(), colour.stroke_width(2)).point_size(4)
+        let logs = points.iter().map(|&(x, y)| (x, y.log10())).collect::<Vec<_>>();
+        LineSeries::new(logs, colour.stroke_width(2)).point_size(4)
     };
     let key = |colour: RGBColor| {
         move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(2))
     };
     chart.draw_series(line(training, TRAINING))?.label("training").legend(key(TRAINING));
     chart.draw_series(line(held_out, HELD_OUT))?.label("held out").legend(key(HELD_OUT));
-    let level = [(first - 0.2, mccool), (last + 0.2, mccool)];
+    let level = [first - 0.2, last + 0.2].map(|x| (x, mccool.log10()));
     chart
         .draw_series(LineSeries::new(level, MCCOOL.stroke_width(1)))?
         .label("McCool, training")
