@@ -26,7 +26,9 @@ fn main() -> anyhow::Result<()> {
     let garnet = cornell("garnet_red")?.map(|s| Row::all("garnet red", &s, 2)).transpose()?;
     let krylon = cornell("krylon_blue")?.map(|s| Row::all("krylon blue", &s, 2)).transpose()?;
 
-    println!("\nclaim                                                   thesis      Powell       joint");
+    println!(
+        "\nclaim                                                   thesis      Powell       joint"
+    );
     let below = |error: f64, than: f64| format!("{:.0} % below", 100.0 * (1.0 - error / than));
     let claim = |text: &str, thesis: &str, powell: String, joint: String| {
         println!("{text:54}  {thesis:>10}  {powell:>10}  {joint:>10}");
@@ -50,7 +52,12 @@ fn main() -> anyhow::Result<()> {
         let Some(rows) = rows else { continue };
         let best = |s: usize| two(rows, s, 0).min(two(rows, s, 1));
         let (powell, joint) = each(&|s| below(best(s), rows.mccool));
-        claim(&format!("{name}, two textures, better space, against McCool"), "lower", powell, joint);
+        claim(
+            &format!("{name}, two textures, better space, against McCool"),
+            "lower",
+            powell,
+            joint,
+        );
         let free = |s: usize| below(rows.free[s], best(s));
         claim(&format!("{name}, two textures, without reciprocity"), "mixed", free(0), free(1));
     }
@@ -117,9 +124,10 @@ fn errors(
     let specs: Vec<Vec<FactorSpec>> =
         found.terms.iter().map(|term| family.specs(&term.projections)).collect();
     let fits = match params.terms {
-        TermSolve::All => {
-            specs.iter().map(|specs| factorize(samples, specs, &params)).collect::<Result<_, _>>()?
-        }
+        TermSolve::All => specs
+            .iter()
+            .map(|specs| factorize(samples, specs, &params))
+            .collect::<Result<_, _>>()?,
         TermSolve::Last(_) => factorize_terms(samples, &specs[specs.len() - 1], &params)?,
     };
     let offsets = log_offsets(samples);

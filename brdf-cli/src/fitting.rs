@@ -227,7 +227,8 @@ impl Training {
         families: usize,
     ) -> SearchSamples {
         // No more copies of rows than there would be drawn pairs: planes do not need them.
-        let fair = |rows: SampleSet| rows.shuffled(settings.seed).thinned(settings.samples as usize);
+        let fair =
+            |rows: SampleSet| rows.shuffled(settings.seed).thinned(settings.samples as usize);
         let fitted = match &self.held_out {
             HeldOut::Drawn(_) => self.fitted.clone(),
             HeldOut::Folds(_) => fair(self.fitted.clone()),

@@ -51,9 +51,8 @@ fn json(text: &str) -> Value {
 /// A fit over fixed coordinates, at once.
 const QUICK: [&str; 6] = ["--method", "mccool", "--texture-size", "8", "--samples", "3000"];
 /// A small search.
-const SEARCH: [&str; 10] = [
-    "--terms", "2", "--restarts", "4", "--texture-size", "8", "--samples", "3000", "--seed", "2",
-];
+const SEARCH: [&str; 10] =
+    ["--terms", "2", "--restarts", "4", "--texture-size", "8", "--samples", "3000", "--seed", "2"];
 
 #[test]
 fn factor_without_input_writes_its_folder() {
@@ -221,7 +220,15 @@ fn every_method_and_option_runs() {
     let searches: [&[&str]; 7] = [
         &["--luminance", "--reciprocal", "auto", "--space", "standard"],
         &["--space", "half-difference", "--weight", "f", "--beside", "h"],
-        &["--search", "powell", "--space", "half-difference", "--luminance", "--objective", "blend"],
+        &[
+            "--search",
+            "powell",
+            "--space",
+            "half-difference",
+            "--luminance",
+            "--objective",
+            "blend",
+        ],
         &["--start", "planes.toml"],
         &["--start", "planes.json", "--reciprocal", "off"],
         &["--start", "mccool", "--space", "standard"],

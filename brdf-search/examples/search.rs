@@ -23,7 +23,11 @@ fn main() -> Result<(), SearchError> {
     for term in &found.terms {
         let model = factorize(&samples, &family.specs(&term.projections), &params)?.model;
         let errors = measure(&samples, &model, &log_offsets(&samples));
-        println!("{} textures, mean square log error {:.5}", term.projections.len(), errors.log.mean_square);
+        println!(
+            "{} textures, mean square log error {:.5}",
+            term.projections.len(),
+            errors.log.mean_square
+        );
         for projection in &term.projections {
             println!("  {:+.3?}", projection.rows().map(|row| row.to_array()));
         }

@@ -538,7 +538,7 @@ mod tests {
                     let mut close = 0;
                     for direction in 0..2 * DIRECTIONS {
                         let at = |length: f64| {
-                            let mut lengths = vec![0.0; 2 * DIRECTIONS];
+                            let mut lengths = [0.0; 2 * DIRECTIONS];
                             lengths[direction] = length;
                             let moved: Vec<Projection> = planes
                                 .iter()
