@@ -29,7 +29,10 @@ fn main() -> anyhow::Result<()> {
     println!(
         "\nclaim                                                   thesis      Powell       joint"
     );
-    let below = |error: f64, than: f64| format!("{:.0} % below", 100.0 * (1.0 - error / than));
+    let below = |error: f64, than: f64| {
+        let share = 100.0 * (1.0 - error / than);
+        format!("{:.0} % {}", share.abs(), if share < 0.0 { "above" } else { "below" })
+    };
     let claim = |text: &str, thesis: &str, powell: String, joint: String| {
         println!("{text:54}  {thesis:>10}  {powell:>10}  {joint:>10}");
     };
