@@ -21,10 +21,11 @@ const SPACES: [(Space, &str); 2] = [(Space::Standard, "std"), (Space::HalfDiffer
 
 fn main() -> anyhow::Result<()> {
     println!("mean square log error by number of textures; reciprocal unless said\n");
-    let blue = Row::all("blue paint", &preset("lafortune-blue-paint"), 5)?;
-    let gloss = Row::all("Cook–Torrance", &preset("cook-torrance"), 5)?;
-    let garnet = cornell("garnet_red")?.map(|s| Row::all("garnet red", &s, 2)).transpose()?;
-    let krylon = cornell("krylon_blue")?.map(|s| Row::all("krylon blue", &s, 2)).transpose()?;
+    let blue = Rows::measure("blue paint", &preset("lafortune-blue-paint"), 5)?;
+    let gloss = Rows::measure("Cook–Torrance", &preset("cook-torrance"), 5)?;
+    let garnet = cornell("garnet_red")?.map(|s| Rows::measure("garnet red", &s, 2)).transpose()?;
+    let krylon =
+        cornell("krylon_blue")?.map(|s| Rows::measure("krylon blue", &s, 2)).transpose()?;
 
     println!(
         "\nclaim                                                   thesis      Powell       joint"
@@ -75,10 +76,8 @@ struct Rows {
     free: [f64; 2],
 }
 
-struct Row;
-
-impl Row {
-    fn all(name: &str, samples: &SampleSet, terms: usize) -> anyhow::Result<Rows> {
+impl Rows {
+    fn measure(name: &str, samples: &SampleSet, terms: usize) -> anyhow::Result<Self> {
         let thesis = params(Bound::Cube, 1e-3, TermSolve::Last(2));
         let mccool = factorize(samples, &FactorSpec::mccool(true), &thesis)?.model;
         let mccool = measure(samples, &mccool, &log_offsets(samples)).log.mean_square;
@@ -98,7 +97,7 @@ impl Row {
                 }
             }
         }
-        Ok(Rows { mccool, searched, free })
+        Ok(Self { mccool, searched, free })
     }
 }
 

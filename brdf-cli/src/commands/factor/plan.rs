@@ -154,7 +154,8 @@ impl Factor {
             families,
             start,
             seed: self.seed,
-            time_limit: args.time_limit.map(Duration::from_secs_f64),
+            // More than a year is no limit; unbounded numbers would overflow a duration.
+            time_limit: args.time_limit.map(|s| Duration::from_secs_f64(s.min(4e7))),
         })
     }
 
