@@ -6,6 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use brdf_param::{DirectionPair, HalfDifference};
+use serde::{Deserialize, Serialize};
 
 use crate::brdf::is_lit;
 use crate::large_table::LargeTable;
@@ -14,7 +15,8 @@ use crate::{Brdf, DirectionBatch, ModelError, Rgb, RgbBatch};
 
 /// Where in its cell a tabulated value is taken to stand. The literature disagrees: libbsdf reads
 /// the lower edge, ALTA the centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MerlNodes {
     /// (i + ½) in the index space of each axis.
     Centre,
@@ -24,7 +26,7 @@ pub enum MerlNodes {
 
 impl MerlNodes {
     /// Where the first node stands, in cells.
-    pub(crate) fn shift(self) -> f32 {
+    pub fn shift(self) -> f32 {
         match self {
             Self::Centre => 0.5,
             Self::Edge => 0.0,

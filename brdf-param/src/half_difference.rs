@@ -26,21 +26,30 @@ pub struct HalfDifference {
 }
 
 impl HalfDifference {
-    /// Angles of a pair: d = rot(b, −theta_h) rot(n, −phi_h) wi.
+    /// Angles of a pair.
     pub fn from_pair(pair: &DirectionPair) -> Self {
-        let half = pair.half();
-        let theta_h = polar_angle(half);
-        let phi_h = azimuth(half);
-        let (sin_h, cos_h) = theta_h.sin_cos();
-        let (sin_p, cos_p) = phi_h.sin_cos();
-        let wi = pair.wi;
+        let [half, difference] = Self::vectors(pair);
+        Self {
+            theta_h: polar_angle(half),
+            phi_h: azimuth(half),
+            theta_d: polar_angle(difference),
+            phi_d: azimuth(difference),
+        }
+    }
+
+    /// Half and difference vector of a pair: d = rot(b, −theta_h) rot(n, −phi_h) wi.
+    pub fn vectors(pair: &DirectionPair) -> [DVec3; 2] {
+        let (half, wi) = (pair.half(), pair.wi);
+        let (sin_h, cos_h) = (half.truncate().length(), half.z);
+        let (sin_p, cos_p) =
+            if sin_h > 0.0 { (half.y / sin_h, half.x / sin_h) } else { (0.0, 1.0) };
         let along = cos_p * wi.x + sin_p * wi.y;
         let difference = DVec3::new(
             cos_h * along - sin_h * wi.z,
             cos_p * wi.y - sin_p * wi.x,
             sin_h * along + cos_h * wi.z,
         );
-        Self { theta_h, phi_h, theta_d: polar_angle(difference), phi_d: azimuth(difference) }
+        [half, difference]
     }
 
     /// The pair at these angles; one of its directions may lie below the horizon, which

@@ -3,11 +3,13 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use crate::direction::{azimuth, polar_angle, spherical_direction};
 
 /// A map between unit directions of the upper hemisphere and points of a plane domain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum HemisphereMap {
     /// (theta, phi) in radians, [0, π/2] × (−π, π].
     Spherical,

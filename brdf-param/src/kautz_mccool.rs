@@ -26,13 +26,15 @@ pub struct KautzMcCool {
 impl KautzMcCool {
     /// Coordinates of a pair.
     pub fn from_pair(pair: &DirectionPair) -> Self {
+        let [h, d] = Self::vectors(pair).map(|w| HemisphereMap::Parabolic.encode(w));
+        Self { h, d }
+    }
+
+    /// Half and difference vector of a pair.
+    pub fn vectors(pair: &DirectionPair) -> [DVec3; 2] {
         let half = pair.half();
         let (r, s) = tangent_frame(half);
-        let difference = DVec3::new(r.dot(pair.wi), s.dot(pair.wi), half.dot(pair.wi));
-        Self {
-            h: HemisphereMap::Parabolic.encode(half),
-            d: HemisphereMap::Parabolic.encode(difference),
-        }
+        [half, DVec3::new(r.dot(pair.wi), s.dot(pair.wi), half.dot(pair.wi))]
     }
 
     /// The pair at these coordinates, or `None` outside the two unit discs.

@@ -17,6 +17,7 @@ mod direction;
 mod error;
 mod half_difference;
 mod hemisphere;
+mod hemispheres;
 mod hybrid;
 mod kautz_mccool;
 mod onion_slice;

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use glam::{DVec2, DVec4};
+use serde::{Deserialize, Serialize};
 
 use crate::{
     DirectionPair, HalfDifference, Hybrid, KautzMcCool, OnionSlice, Orthographic, ParamError,
@@ -15,7 +16,8 @@ pub struct Coordinates(pub DVec4);
 
 /// A change of variables of the BRDF domain: a bijection between direction pairs and four
 /// coordinates, up to the degenerate pairs named on each type.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Parametrization {
     /// [`Standard`].
     Standard,

@@ -1,0 +1,113 @@
+//! Every parametrization as two points of the unit hemisphere: what a sum of products splits a BRDF
+//! into.
+
+use glam::{DVec2, DVec3, DVec4};
+
+use crate::direction::{azimuth, spherical_direction};
+use crate::{
+    Coordinates, DirectionPair, HalfDifference, HemisphereMap, KautzMcCool, OnionSlice,
+    Parametrization,
+};
+
+impl Parametrization {
+    /// Names of the two points: what [`Parametrization::hemispheres`] gives.
+    pub fn hemisphere_names(self) -> [&'static str; 2] {
+        match self {
+            Self::Standard => ["wi", "wo"],
+            Self::HalfDifference | Self::KautzMcCool => ["h", "d"],
+            Self::Orthographic => ["h̄", "k̄"],
+            Self::Hybrid => ["h̄", "k"],
+            Self::OnionSlice => ["wo", "wi"],
+        }
+    }
+
+    /// A pair as two points of the unit hemisphere, which carry two coordinates each.
+    ///
+    /// Standard: wi, wo. Half/difference and Kautz–McCool: half and difference vector.
+    /// Orthographic and hybrid: h̄ and k, whose lengths are the sines of polar angles. Onion slices:
+    /// the view, then the light in the frame of the view's azimuth.
+    pub fn hemispheres(self, pair: &DirectionPair) -> [DVec3; 2] {
+        match self {
+            Self::Standard => [pair.wi, pair.wo],
+            Self::HalfDifference => HalfDifference::vectors(pair),
+            Self::KautzMcCool => KautzMcCool::vectors(pair),
+            Self::Orthographic => {
+                let (wi, wo) = (pair.wi.truncate(), pair.wo.truncate());
+                [lifted(0.5 * (wi + wo)), lifted(0.5 * (wi - wo))]
+            }
+            Self::Hybrid => {
+                let (h, k) = (0.5 * (pair.wi + pair.wo), 0.5 * (pair.wi - pair.wo));
+                let along = k.truncate().try_normalize().unwrap_or(DVec2::X);
+                [lifted(h.truncate()), lifted(k.length() * along)]
+            }
+            Self::OnionSlice => {
+                let turned = pair.rotated_about_normal(-azimuth(pair.wo));
+                [pair.wo, turned.wi]
+            }
+        }
+    }
+
+    /// The pair at two points of the hemisphere, or `None` where one of its directions would lie
+    /// below the horizon.
+    pub fn from_hemispheres(self, [first, second]: [DVec3; 2]) -> Option<DirectionPair> {
+        let polar = |w: DVec3| DVec2::new(crate::polar_angle(w), azimuth(w));
+        let planar = |w: DVec3| DVec2::new(w.truncate().length(), azimuth(w));
+        let parabolic = |w: DVec3| HemisphereMap::Parabolic.encode(w);
+        let (a, b) = match self {
+            Self::Standard => {
+                let pair = DirectionPair::new(first, second);
+                return pair.is_above_horizon().then_some(pair);
+            }
+            Self::HalfDifference => (polar(first), polar(second)),
+            Self::KautzMcCool => (parabolic(first), parabolic(second)),
+            Self::Orthographic | Self::Hybrid => (planar(first), planar(second)),
+            Self::OnionSlice => {
+                let (alpha, sin_beta) = OnionSlice::light(second, 0.0);
+                (DVec2::new(alpha, sin_beta), polar(first))
+            }
+        };
+        self.inverse(Coordinates(DVec4::new(a.x, a.y, b.x, b.y)))
+    }
+
+    /// The two points of the same pair turned about the normal so that the first has azimuth 0:
+    /// three coordinates, all that an isotropic BRDF depends on.
+    pub fn isotropic_hemispheres(self, pair: &DirectionPair) -> [DVec3; 2] {
+        let [first, second] = match self {
+            // The frame of Kautz and McCool is tied to the tangent; turned, it is Rusinkiewicz's.
+            Self::KautzMcCool => HalfDifference::vectors(pair),
+            _ => self.hemispheres(pair),
+        };
+        let second = match self {
+            Self::HalfDifference | Self::KautzMcCool | Self::OnionSlice => second,
+            Self::Standard | Self::Orthographic | Self::Hybrid => {
+                let radius = first.truncate().length();
+                let (cos, sin) =
+                    if radius > 0.0 { (first.x / radius, first.y / radius) } else { (1.0, 0.0) };
+                let (x, y) = (second.x, second.y);
+                DVec3::new(cos * x + sin * y, cos * y - sin * x, second.z)
+            }
+        };
+        [DVec3::new(first.truncate().length(), 0.0, first.z), second]
+    }
+
+    /// The pair at two points of which the first has azimuth 0; see
+    /// [`Parametrization::isotropic_hemispheres`].
+    pub fn from_isotropic_hemispheres(self, points: [DVec3; 2]) -> Option<DirectionPair> {
+        match self {
+            Self::KautzMcCool => Self::HalfDifference.from_hemispheres(points),
+            _ => self.from_hemispheres(points),
+        }
+    }
+
+    /// The pair of the isotropic slice at polar angles (or, for lengths, their arcsines) of both
+    /// points and the azimuth between them, all in radians.
+    pub fn isotropic_pair(self, first: f64, second: f64, azimuth: f64) -> Option<DirectionPair> {
+        let points = [spherical_direction(first, 0.0), spherical_direction(second, azimuth)];
+        self.from_isotropic_hemispheres(points)
+    }
+}
+
+/// The point of the hemisphere above a point of the disc; rounding may leave it below the rim.
+fn lifted(point: DVec2) -> DVec3 {
+    point.extend((1.0 - point.length_squared()).max(0.0).sqrt())
+}

@@ -1,0 +1,85 @@
+//! The power iteration as Wang, Tran and Luebke 2004 print it, for comparison only.
+//!
+//! It stops when the Rayleigh quotient settles. Where two eigenvalues of equal size and opposite
+//! sign lead, the iterate swings between two vectors, neither of them an eigenvector, and the
+//! quotient settles on a number that is no eigenvalue; the wrong component is then subtracted.
+
+use faer::{Mat, MatRef};
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::SplitMix64;
+
+use crate::product::transposed_product;
+
+/// What one loop of the iteration ended with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PowerPair {
+    /// The Rayleigh quotient.
+    pub value: f64,
+    /// The unit vector.
+    pub vector: Vec<f64>,
+    /// ‖Mv − λv‖ / |λ| with the matrix that was left: not what stops the iteration.
+    pub residual: f64,
+    /// Products with the matrix.
+    pub iterations: usize,
+}
+
+/// Change of the quotient, relative, that counts as convergence.
+const SETTLED: f64 = 1e-6;
+const MOST_ITERATIONS: usize = 5_000;
+
+/// The first `rank` pairs by power iteration with deflation, from seeded random vectors.
+pub fn power_iteration(matrix: MatRef<'_, f64>, rank: usize, seed: u64) -> Vec<PowerPair> {
+    let mut rest = matrix.to_owned();
+    let mut rng = SplitMix64::seed_from_u64(seed);
+    (0..rank)
+        .map(|_| {
+            let pair = dominant(&rest, &mut rng);
+            for column in 0..rest.ncols() {
+                let scale = pair.value * pair.vector[column];
+                rest.col_mut(column)
+                    .iter_mut()
+                    .zip(&pair.vector)
+                    .for_each(|(value, v)| *value -= scale * v);
+            }
+            pair
+        })
+        .collect()
+}
+
+fn dominant(matrix: &Mat<f64>, rng: &mut SplitMix64) -> PowerPair {
+    let mut vector = Mat::from_fn(matrix.nrows(), 1, |_, _| {
+        #[expect(clippy::cast_precision_loss, reason = "53 bits fit a f64 exactly")]
+        let unit = (rng.next_u64() >> 11) as f64 / 9_007_199_254_740_992.0;
+        unit - 0.5
+    });
+    let mut value = f64::INFINITY;
+    let mut residual = f64::INFINITY;
+    let mut iterations = 0;
+    while iterations < MOST_ITERATIONS {
+        let norm = vector.col(0).norm_l2();
+        if norm <= 0.0 {
+            break;
+        }
+        vector.col_mut(0).iter_mut().for_each(|v| *v /= norm);
+        let image = transposed_product(matrix.as_ref(), vector.as_ref());
+        let quotient: f64 =
+            vector.col(0).iter().zip(image.col(0).iter()).map(|(a, b)| a * b).sum();
+        let off = image.col(0) - vector.col(0) * faer::Scale(quotient);
+        residual = off.norm_l2() / quotient.abs();
+        iterations += 1;
+        let settled = (quotient - value).abs() <= SETTLED * quotient.abs();
+        value = quotient;
+        if settled {
+            break;
+        }
+        vector = image;
+    }
+    let norm = vector.col(0).norm_l2();
+    let unit = vector.col(0).iter().map(|v| if norm > 0.0 { v / norm } else { 0.0 });
+    PowerPair {
+        value: if value.is_finite() { value } else { 0.0 },
+        vector: unit.collect(),
+        residual,
+        iterations,
+    }
+}
