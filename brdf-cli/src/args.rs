@@ -35,6 +35,7 @@ impl ReadArgs {
             merl_lookup: MerlLookup::Trilinear(self.merl_nodes.into()),
             columns: self.columns.clone(),
             wavelength_um: self.wavelength_um,
+            material: None,
         }
     }
 }

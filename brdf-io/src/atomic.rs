@@ -60,6 +60,16 @@ fn is_ours(content: &[u8]) -> bool {
 /// The name of the file by which a folder of ours is recognised, and how that file starts.
 const MARK: (&str, &str) = ("report.json", "{\n  \"brdf\":");
 
+/// Files of every folder of ours; textures have numbers.
+const OUR_NAMES: [&str; 6] = [
+    "model.safetensors",
+    "sphere.png",
+    "spheres.png",
+    "spectrum.svg",
+    "report.html",
+    "report.json",
+];
+
 /// A folder of results under construction, beside the place where it will appear.
 #[derive(Debug)]
 pub struct OutputFolder {
@@ -168,11 +178,12 @@ fn entries(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), IoError> {
 
 fn is_our_name(path: &Path) -> bool {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let factor = name
-        .strip_prefix("factor-")
-        .and_then(|rest| rest.strip_suffix(".exr").or_else(|| rest.strip_suffix(".png")));
-    ["model.safetensors", "spheres.png", "report.html", "report.json"].contains(&name.as_str())
-        || factor.is_some_and(|number| number.parse::<u32>().is_ok())
+    let is_numbered = ["factor-", "first-", "second-"].iter().any(|prefix| {
+        name.strip_prefix(prefix)
+            .and_then(|rest| rest.strip_suffix(".exr").or_else(|| rest.strip_suffix(".png")))
+            .is_some_and(|number| number.parse::<u32>().is_ok())
+    });
+    OUR_NAMES.contains(&name.as_str()) || is_numbered
 }
 
 fn parent(path: &Path) -> &Path {

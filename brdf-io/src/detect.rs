@@ -21,6 +21,8 @@ pub enum Format {
     Alta,
     /// A table of numbers with a header.
     Table,
+    /// NumPy archive of neural BRDFs.
+    Nbrdf,
     /// A container that this project wrote.
     Native,
 }
@@ -35,6 +37,7 @@ impl Format {
             Self::Utia => "UTIA binary",
             Self::Alta => "ALTA text",
             Self::Table => "table of samples",
+            Self::Nbrdf => "NBRDF archive",
             Self::Native => "brdf container",
         }
     }
@@ -48,6 +51,9 @@ impl Format {
 pub fn detect(bytes: &[u8]) -> Result<Format, FormatError> {
     if bytes.starts_with(rgl::MAGIC) {
         return Ok(Format::Rgl);
+    }
+    if bytes.starts_with(b"PK\x03\x04") {
+        return Ok(Format::Nbrdf);
     }
     if merl::looks_like_merl(bytes) {
         return Ok(Format::Merl);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use brdf_factor::FactorError;
 use brdf_model::ModelError;
 use brdf_param::ParamError;
+use brdf_separable::SeparableError;
 
 /// A problem with the content of a file.
 #[derive(Debug, thiserror::Error)]
@@ -63,7 +64,8 @@ pub enum FormatError {
     /// No reader knows the content.
     #[error(
         "unknown format (starts with {start}); expected MERL .binary, RGL .bsdf, Cornell .brdf, \
-         UTIA .bin, ALTA text, a table with a header, or a container written by brdf"
+         UTIA .bin, ALTA text, a table with a header, an archive of neural BRDFs (.npz), or a container \
+         written by brdf"
     )]
     Unknown {
         /// The first bytes, made printable.
@@ -75,6 +77,9 @@ pub enum FormatError {
     /// The numbers make no factored model.
     #[error(transparent)]
     Factor(#[from] FactorError),
+    /// The numbers make no sum of products.
+    #[error(transparent)]
+    Separable(#[from] SeparableError),
     /// The numbers make no projection.
     #[error("projection {index}: {problem}")]
     Projection {

@@ -15,6 +15,7 @@ mod exr_image;
 mod mapped;
 mod measurement;
 mod merl;
+mod nbrdf;
 mod pictures;
 mod projections;
 mod rgl;
@@ -25,8 +26,9 @@ mod utia;
 pub use alta::read_alta;
 pub use atomic::{OutputFolder, Overwrite, write_atomically};
 pub use container::{
-    Contained, FitRecord, FitSettings, ModelFile, SearchSettings, TermRecord, model_to_bytes,
-    read_container, record_of, samples_to_bytes, table_to_bytes,
+    Contained, FitRecord, FitSettings, ModelFile, RankRecord, SearchSettings, SeparableFile,
+    SeparableRecord, SeparableSettings, TermRecord, model_to_bytes, read_container, record_of,
+    samples_to_bytes, separable_to_bytes, table_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};
 pub use detect::{Format, detect};
@@ -35,6 +37,7 @@ pub use exr_image::write_exr;
 pub use mapped::MappedFile;
 pub use measurement::{Measured, Measurement, ReadOptions, open_measurement, parse_measurement};
 pub use merl::{merl_to_bytes, read_merl};
+pub use nbrdf::{nbrdf_names, read_nbrdf};
 pub use pictures::{parse_environment, png_bytes, read_environment};
 pub use projections::{ProjectionFile, read_projections};
 pub use rgl::read_rgl;

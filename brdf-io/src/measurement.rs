@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use brdf_model::{
-    Brdf, MerlLookup, MerlNodes, MerlTable, RglBrdf, SampleSet, ScatteredBrdf, UtiaTable,
+    Brdf, MerlLookup, MerlNodes, MerlTable, Nbrdf, RglBrdf, SampleSet, ScatteredBrdf, UtiaTable,
 };
 
 use crate::{
-    ColumnMap, Contained, Format, FormatError, IoError, MappedFile, ModelFile, detect, read_alta,
-    read_container, read_cornell, read_merl, read_rgl, read_table, read_utia,
+    ColumnMap, Contained, Format, FormatError, IoError, MappedFile, ModelFile, SeparableFile,
+    detect, read_alta, read_container, read_cornell, read_merl, read_nbrdf, read_rgl, read_table,
+    read_utia,
 };
 
 /// What the content alone does not say.
@@ -20,6 +21,8 @@ pub struct ReadOptions {
     pub columns: Option<ColumnMap>,
     /// Which wavelength of a table to take, micrometres.
     pub wavelength_um: Option<f64>,
+    /// Which material of an archive to take.
+    pub material: Option<String>,
 }
 
 impl Default for ReadOptions {
@@ -28,6 +31,7 @@ impl Default for ReadOptions {
             merl_lookup: MerlLookup::Trilinear(MerlNodes::Centre),
             columns: None,
             wavelength_um: None,
+            material: None,
         }
     }
 }
@@ -41,10 +45,14 @@ pub enum Measured {
     Rgl(Box<RglBrdf>),
     /// A UTIA table.
     Utia(UtiaTable),
+    /// A neural BRDF.
+    Nbrdf(Box<Nbrdf>),
     /// Scattered samples.
     Samples(Box<ScatteredBrdf>),
     /// A model that this project fitted.
     Model(Box<ModelFile>),
+    /// A sum of products that this project made.
+    Separable(Box<SeparableFile>),
 }
 
 impl Measured {
@@ -54,8 +62,10 @@ impl Measured {
             Self::Merl(table) => table,
             Self::Rgl(material) => material.as_ref(),
             Self::Utia(table) => table,
+            Self::Nbrdf(network) => network.as_ref(),
             Self::Samples(samples) => samples.as_ref(),
             Self::Model(file) => &file.model,
+            Self::Separable(file) => &file.model,
         }
     }
 }
@@ -95,8 +105,14 @@ pub fn parse_measurement(bytes: &[u8], options: &ReadOptions) -> Result<Measurem
         Format::Merl => Measured::Merl(read_merl(bytes, options.merl_lookup)?),
         Format::Rgl => Measured::Rgl(Box::new(read_rgl(bytes)?)),
         Format::Utia => Measured::Utia(read_utia(bytes)?),
+        Format::Nbrdf => {
+            let network = read_nbrdf(bytes, options.material.as_deref())?;
+            notes.push("an NBRDF proxy: a network's smooth fit, not the measurement".to_owned());
+            Measured::Nbrdf(Box::new(network))
+        }
         Format::Native => match read_container(bytes, options.merl_lookup)? {
             Contained::Model(file) => Measured::Model(file),
+            Contained::Separable(file) => Measured::Separable(file),
             Contained::Table(table) => Measured::Merl(table),
             Contained::Samples(samples) => scattered(samples)?,
         },

@@ -24,6 +24,7 @@ mod large_table;
 mod merl;
 mod merl_batch;
 mod metrics;
+mod nbrdf;
 mod preset;
 mod rgb;
 mod rgl;
@@ -48,6 +49,7 @@ pub use merl::{MerlLookup, MerlNodes, MerlTable};
 pub use metrics::{
     COSINE_RMS_PAIRS, CosineRms, ErrorMeasures, FitErrors, cosine_rms, log_offsets, measure,
 };
+pub use nbrdf::Nbrdf;
 pub use preset::Preset;
 pub use rgb::{Channels, Rgb};
 pub use rgl::{RglBrdf, RglTables};

@@ -21,6 +21,19 @@ impl Parametrization {
         }
     }
 
+    /// Names of the three coordinates that an isotropic BRDF depends on: both radii, and the azimuth
+    /// between the points.
+    pub fn isotropic_names(self) -> [&'static str; 3] {
+        match self {
+            Self::Standard => ["theta_i", "theta_o", "phi_o - phi_i"],
+            Self::HalfDifference => ["theta_h", "theta_d", "phi_d"],
+            Self::KautzMcCool => ["|h|", "|d|", "phi_d"],
+            Self::Orthographic => ["‖h̄‖", "‖k̄‖", "phi_k - phi_h"],
+            Self::Hybrid => ["‖h̄‖", "‖k‖", "phi_k - phi_h"],
+            Self::OnionSlice => ["theta_v", "theta_i", "phi_i - phi_v"],
+        }
+    }
+
     /// A pair as two points of the unit hemisphere, which carry two coordinates each.
     ///
     /// Standard: wi, wo. Half/difference and Kautz–McCool: half and difference vector.

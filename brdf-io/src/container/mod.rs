@@ -6,6 +6,10 @@
 //! that equal runs give equal bytes. The best models of fewer textures follow as `of1.factor0`,
 //! `of2.factor0`, `of2.factor1` …
 //!
+//! A sum of products: `first` and `second`, f32 `[row, column, term, channel]` over the texels of
+//! their charts, `first` with one channel where its textures are scalar; where both sides share
+//! textures, `signs`, f32 `[term, channel]`, in place of `second`.
+//!
 //! A MERL-grid table: one tensor `cells`, f32 `[theta_h, theta_d, phi_d, channel]`, negative where
 //! invalid. Scattered samples: `directions`, f64 `[sample, 6]` (wi, then wo), and `values`, f64
 //! `[sample, channel]`.
@@ -21,6 +25,12 @@ use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 
+mod separable;
+
+pub use separable::{
+    RankRecord, SeparableFile, SeparableRecord, SeparableSettings, separable_to_bytes,
+};
+
 use crate::FormatError;
 use crate::bytes::{f32_values, f64_values};
 
@@ -32,6 +42,7 @@ const VERSION: u32 = 1;
 #[serde(rename_all = "kebab-case")]
 enum Kind {
     Factored,
+    Separable,
     MerlTable,
     Samples,
 }
@@ -48,6 +59,8 @@ struct Head {
 pub enum Contained {
     /// A factored model.
     Model(Box<ModelFile>),
+    /// A sum of products.
+    Separable(Box<SeparableFile>),
     /// A table on the MERL grid.
     Table(MerlTable),
     /// Scattered samples.
@@ -281,6 +294,7 @@ pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, For
     let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
     Ok(match head.kind {
         Kind::Factored => Contained::Model(Box::new(read_factored(record, &tensors)?)),
+        Kind::Separable => Contained::Separable(Box::new(separable::read(record, &tensors)?)),
         Kind::MerlTable => Contained::Table(read_cells(&tensors, lookup)?),
         Kind::Samples => Contained::Samples(read_samples(&tensors)?),
     })

@@ -1,0 +1,97 @@
+//! Where there is data.
+
+use std::f64::consts::FRAC_PI_2;
+
+use brdf_model::{Brdf, PairSampling, SampleSet};
+use brdf_param::{DirectionPair, HalfDifference, polar_angle};
+
+use crate::heat::{Field, Heat, HeatScale, plot_heat};
+use crate::plot::{Plot, PlotError};
+
+/// Bins along each side.
+const BINS: usize = 45;
+/// Pairs drawn over both whole hemispheres to see where a table has data.
+const PAIRS: u32 = 200_000;
+
+/// For a material that can be evaluated, the share of pairs with data in bins of (theta_i, theta_o)
+/// and (theta_h, theta_d): holes and invalid cells are dark. For scattered rows, how many fall into
+/// each bin.
+///
+/// # Errors
+///
+/// [`PlotError::Drawing`].
+pub fn plot_coverage(
+    name: &str,
+    brdf: &dyn Brdf,
+    rows: Option<&SampleSet>,
+) -> Result<Plot, PlotError> {
+    let mut counts = [Counts::default(), Counts::default()];
+    let mut count = |pair: &DirectionPair, known: bool| {
+        let angles = HalfDifference::from_pair(pair);
+        counts[0].add([polar_angle(pair.wi), polar_angle(pair.wo)], known);
+        counts[1].add([angles.theta_h, angles.theta_d], known);
+    };
+    if let Some(rows) = rows {
+        rows.pairs().for_each(|pair| count(&pair, true));
+    } else {
+        let sampling = PairSampling { count: PAIRS, seed: 1, theta_max: FRAC_PI_2 };
+        for pair in sampling.pairs() {
+            count(&pair, brdf.covers(&pair));
+        }
+    }
+    let fields = counts.map(|c| if rows.is_some() { c.totals() } else { c.shares() });
+    let scale = if rows.is_some() {
+        let most = fields.iter().flat_map(|f| f.values.iter().flatten()).copied().fold(1.0, f64::max);
+        HeatScale { label: "rows a bin".to_owned(), range: [0.0, most], log: false }
+    } else {
+        HeatScale { label: "share with data".to_owned(), range: [0.0, 1.0], log: false }
+    };
+    let axes = [["theta_i (°)", "theta_o (°)"], ["theta_h (°)", "theta_d (°)"]];
+    let panels: Vec<Heat> = fields
+        .into_iter()
+        .zip(axes)
+        .map(|(field, [x, y])| Heat {
+            title: name.to_owned(),
+            x: x.to_owned(),
+            y: y.to_owned(),
+            extent: [90.0; 2],
+            image: Some(field),
+            contours: Vec::new(),
+        })
+        .collect();
+    plot_heat(&panels, 2, Some(&scale))
+}
+
+/// Pairs in each bin, and those with data.
+struct Counts(Vec<(f64, f64)>);
+
+impl Default for Counts {
+    fn default() -> Self {
+        Self(vec![(0.0, 0.0); BINS * BINS])
+    }
+}
+
+impl Counts {
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "angles lie between 0 and a right one"
+    )]
+    fn add(&mut self, angles: [f64; 2], known: bool) {
+        let [column, row] = angles.map(|a| ((a / FRAC_PI_2 * BINS as f64) as usize).min(BINS - 1));
+        let bin = &mut self.0[row * BINS + column];
+        bin.0 += 1.0;
+        bin.1 += f64::from(u8::from(known));
+    }
+
+    /// Share with data; none where no pair can fall.
+    fn shares(self) -> Field {
+        let share = |(all, known): (f64, f64)| (all > 0.0).then(|| known / all);
+        Field { columns: BINS, values: self.0.into_iter().map(share).collect() }
+    }
+
+    fn totals(self) -> Field {
+        Field { columns: BINS, values: self.0.into_iter().map(|(all, _)| Some(all)).collect() }
+    }
+}

@@ -1,0 +1,47 @@
+//! θh × θd slices at chosen azimuths: the picture that measured BRDFs are judged by.
+
+use brdf_model::Brdf;
+use brdf_param::Parametrization;
+use brdf_study::Slice;
+
+use crate::heat::{Field, Heat, HeatScale, plot_heat};
+use crate::plot::{Plot, PlotError};
+
+/// Cells of a slice along a side.
+const SIZE: usize = 90;
+/// Decades of luminance that colours span at most.
+const DECADES: f64 = 4.0;
+
+/// One row of panels for each material, one panel for each azimuth (degrees): luminance over two
+/// coordinates of a parametrization, colours on a logarithm. Grey: no data.
+///
+/// # Errors
+///
+/// [`PlotError::Nothing`] without a material or azimuth; [`PlotError::Drawing`].
+pub fn plot_slices(
+    materials: &[(String, &dyn Brdf)],
+    parametrization: Parametrization,
+    azimuths_deg: &[f64],
+) -> Result<Plot, PlotError> {
+    let ([x, y], extent) = Slice::axes(parametrization);
+    let panels: Vec<Heat> = materials
+        .iter()
+        .flat_map(|(name, brdf)| {
+            azimuths_deg.iter().map(move |&azimuth| {
+                let slice = Slice::sample(*brdf, parametrization, azimuth.to_radians(), SIZE);
+                let [_, _, angle] = parametrization.isotropic_names();
+                Heat {
+                    title: format!("{name}, {angle} = {azimuth}°"),
+                    x: x.to_owned(),
+                    y: y.to_owned(),
+                    extent: [extent; 2],
+                    image: Some(Field { columns: SIZE, values: slice.values }),
+                    contours: Vec::new(),
+                }
+            })
+        })
+        .collect();
+    let fields = panels.iter().filter_map(|panel| panel.image.as_ref());
+    let scale = HeatScale::log_over("luminance (1/sr)", fields, DECADES);
+    plot_heat(&panels, azimuths_deg.len(), Some(&scale))
+}

@@ -1,0 +1,238 @@
+//! The figures of one material under every parametrization.
+
+use brdf_model::{Brdf, Channels, PairSampling, SampleSet};
+use brdf_param::{DirectionPair, HemisphereMap, Parametrization};
+use brdf_separable::{
+    BrdfMatrix, Chart, Layout, MatrixParams, SeparableError, SeparableParams, ValueMap, factorize,
+};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::grid::{Grid, Means, unit_coordinates};
+use crate::slice::{SliceAlignment, alignment};
+use crate::STUDIED;
+
+/// What is measured with. The defaults give every parametrization 13,824 nodes for resampling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StudyParams {
+    /// Pairs that errors are measured on, and as many that means are taken of.
+    pub pairs: u32,
+    /// Grazing limit, radians.
+    pub theta_max: f64,
+    /// Nodes along each of three axes of the resampled table.
+    pub table: usize,
+    /// Nodes of the first side of the matrix, and along each side of the second.
+    pub matrix: usize,
+    /// Bins along each side of a reduction to two coordinates.
+    pub bins: usize,
+    /// Which scramble of the pairs.
+    pub seed: u64,
+}
+
+impl Default for StudyParams {
+    fn default() -> Self {
+        Self {
+            pairs: 20_000,
+            theta_max: 80_f64.to_radians(),
+            table: 24,
+            matrix: 32,
+            bins: 24,
+            seed: 1,
+        }
+    }
+}
+
+/// Ranks whose energy is reported.
+const RANKS: [usize; 4] = [1, 2, 4, 8];
+
+/// The best function of two of a parametrization's three isotropic coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Bivariate {
+    /// The two coordinates.
+    pub coordinates: [&'static str; 2],
+    /// √ mean (y − ŷ)² of y = ln(1 + f cosθi), on pairs that the means were not taken of.
+    pub log_cosine_rms: f64,
+}
+
+/// Figures of one material under one parametrization. Errors are of y = ln(1 + f cosθi) with f the
+/// luminance, root mean square over the same pairs for all parametrizations.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParametrizationRow {
+    /// Which.
+    pub parametrization: Parametrization,
+    /// How isolines run.
+    pub alignment: SliceAlignment,
+    /// 1 − Σ(y − ŷ)² / Σ(y − ȳ)² for sums of 1, 2, 4 and 8 products of a function of the first
+    /// radius and one of the other two coordinates.
+    pub energy: [f64; 4],
+    /// The best reduction to two coordinates.
+    pub bivariate: Bivariate,
+    /// The reduction to both radii, without the azimuth.
+    pub radii_only: f64,
+    /// Error of a table of equal size, read trilinearly.
+    pub resampled: f64,
+}
+
+/// Measures a material under every parametrization of [`STUDIED`]; it is taken to be isotropic.
+///
+/// # Errors
+///
+/// [`SeparableError::NoData`] for a material without data within the grazing limit.
+pub fn study_material(
+    brdf: &dyn Brdf,
+    params: &StudyParams,
+) -> Result<Vec<ParametrizationRow>, SeparableError> {
+    let pairs = |seed| {
+        let sampling = PairSampling { count: params.pairs, seed, theta_max: params.theta_max };
+        let drawn = SampleSet::draw(brdf, &sampling, Channels::Luminance);
+        let targets = drawn
+            .pairs()
+            .zip(&drawn.values()[0])
+            .map(|(pair, f)| (f * pair.wi.z).ln_1p())
+            .collect();
+        (drawn.pairs().collect::<Vec<DirectionPair>>(), targets)
+    };
+    let (means, judged): (Judged, Judged) = (
+        Judged::new(pairs(params.seed)),
+        Judged::new(pairs(params.seed.wrapping_add(1))),
+    );
+    if judged.pairs.is_empty() || means.pairs.is_empty() {
+        return Err(SeparableError::NoData { rows: params.matrix, columns: params.matrix });
+    }
+    STUDIED
+        .par_iter()
+        .map(|&parametrization| row(brdf, parametrization, params, &means, &judged))
+        .collect()
+}
+
+/// The parametrization with the smallest figure, or the first of equal ones.
+pub fn best(
+    rows: &[ParametrizationRow],
+    figure: impl Fn(&ParametrizationRow) -> f64,
+) -> Option<Parametrization> {
+    let mut best: Option<(f64, Parametrization)> = None;
+    for row in rows {
+        let value = figure(row);
+        if best.is_none_or(|(smallest, _)| value < smallest) {
+            best = Some((value, row.parametrization));
+        }
+    }
+    best.map(|(_, parametrization)| parametrization)
+}
+
+/// Pairs and what is to be matched on them.
+struct Judged {
+    pairs: Vec<DirectionPair>,
+    targets: Vec<f64>,
+}
+
+impl Judged {
+    fn new((pairs, targets): (Vec<DirectionPair>, Vec<f64>)) -> Self {
+        Self { pairs, targets }
+    }
+
+    fn rms(&self, predicted: impl Fn(usize) -> f64) -> f64 {
+        let sum: f64 =
+            self.targets.iter().enumerate().map(|(i, y)| (predicted(i) - y).powi(2)).sum();
+        (sum / count(self.targets.len())).sqrt()
+    }
+
+    fn deviation(&self) -> f64 {
+        let mean = self.targets.iter().sum::<f64>() / count(self.targets.len());
+        self.rms(|_| mean)
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
+fn count(length: usize) -> f64 {
+    length.max(1) as f64
+}
+
+fn row(
+    brdf: &dyn Brdf,
+    parametrization: Parametrization,
+    params: &StudyParams,
+    means: &Judged,
+    judged: &Judged,
+) -> Result<ParametrizationRow, SeparableError> {
+    let coordinates = |set: &Judged| -> Vec<[f64; 3]> {
+        set.pairs.iter().map(|pair| unit_coordinates(parametrization, pair)).collect()
+    };
+    let (known, asked) = (coordinates(means), coordinates(judged));
+    let table = Grid::tabulate(brdf, parametrization, params.table, |pair| {
+        (brdf.eval(pair).luminance() * pair.wi.z).ln_1p()
+    });
+    let names = parametrization.isotropic_names();
+    let reductions: Vec<Bivariate> = [[0, 1], [0, 2], [1, 2]]
+        .into_iter()
+        .map(|[a, b]| {
+            let pick = |points: &[[f64; 3]]| -> Vec<[f64; 2]> {
+                points.iter().map(|point| [point[a], point[b]]).collect()
+            };
+            let reduced = Means::of(&pick(&known), &means.targets, params.bins);
+            let points = pick(&asked);
+            Bivariate {
+                coordinates: [names[a], names[b]],
+                log_cosine_rms: judged.rms(|i| reduced.at(points[i])),
+            }
+        })
+        .collect();
+    let radii_only = reductions[0].log_cosine_rms;
+    let bivariate = reductions
+        .into_iter()
+        .min_by(|a, b| a.log_cosine_rms.total_cmp(&b.log_cosine_rms))
+        .unwrap_or(Bivariate { coordinates: [names[0], names[1]], log_cosine_rms: radii_only });
+    Ok(ParametrizationRow {
+        parametrization,
+        alignment: alignment(brdf, parametrization),
+        energy: energies(brdf, parametrization, params, judged)?,
+        bivariate,
+        radii_only,
+        resampled: judged.rms(|i| table.read(asked[i])),
+    })
+}
+
+/// Energy that sums of products capture, on the common pairs.
+fn energies(
+    brdf: &dyn Brdf,
+    parametrization: Parametrization,
+    params: &StudyParams,
+    judged: &Judged,
+) -> Result<[f64; 4], SeparableError> {
+    let map = match parametrization {
+        Parametrization::KautzMcCool => HemisphereMap::Parabolic,
+        Parametrization::Orthographic | Parametrization::Hybrid => HemisphereMap::OrthographicDisc,
+        Parametrization::Standard
+        | Parametrization::HalfDifference
+        | Parametrization::OnionSlice => HemisphereMap::Spherical,
+    };
+    let layout = Layout::new(
+        parametrization,
+        Chart::Radius { map, resolution: params.matrix },
+        Chart::Plane { map, resolution: params.matrix },
+    );
+    let sampling = MatrixParams {
+        channels: Channels::Luminance,
+        theta_max: params.theta_max,
+        maps: [ValueMap::Cosine; 3],
+        ..MatrixParams::default()
+    };
+    let matrix = BrdfMatrix::sample(brdf, &layout, &sampling)?;
+    let most = RANKS[RANKS.len() - 1];
+    let fit = factorize(&matrix, &SeparableParams { rank: most, ..SeparableParams::default() })?;
+    let available = fit.model.rank();
+    let mut squares = [0.0; RANKS.len()];
+    for (pair, target) in judged.pairs.iter().zip(&judged.targets) {
+        fit.model.partial_sums(pair, |rank, value| {
+            let miss = (value.luminance().max(0.0) * pair.wi.z).ln_1p() - target;
+            for (sum, wanted) in squares.iter_mut().zip(RANKS) {
+                // A matrix of lower rank is captured whole by what there is.
+                if rank == wanted.min(available) {
+                    *sum += miss * miss;
+                }
+            }
+        });
+    }
+    let spread = judged.deviation().powi(2) * count(judged.targets.len());
+    Ok(squares.map(|sum| if spread > 0.0 { 1.0 - sum / spread } else { 1.0 }))
+}
