@@ -30,6 +30,11 @@ pub(crate) struct ReadArgs {
 }
 
 impl ReadArgs {
+    /// Where in its cell a MERL value stands.
+    pub(crate) fn nodes(&self) -> MerlNodes {
+        self.merl_nodes.into()
+    }
+
     pub(crate) fn options(&self) -> ReadOptions {
         ReadOptions {
             merl_lookup: MerlLookup::Trilinear(self.merl_nodes.into()),
@@ -61,8 +66,9 @@ impl From<MerlNodesArg> for MerlNodes {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct PairArgs {
     /// Largest angle between a direction and the normal, degrees, above 0 and at most 90
-    #[arg(long, value_name = "DEG", default_value_t = 80.0, value_parser = theta_limit)]
-    pub(crate) max_theta_deg: f64,
+    /// [default: 80; 90 for the matrices of `factor --method svd` and its kin]
+    #[arg(long, value_name = "DEG", value_parser = theta_limit)]
+    max_theta_deg: Option<f64>,
 
     /// One channel: Rec. 709 luminance, weights .2126 .7152 .0722
     #[arg(long)]
@@ -70,8 +76,13 @@ pub(crate) struct PairArgs {
 }
 
 impl PairArgs {
+    /// Largest polar angle in radians, 80° unless another was given.
     pub(crate) fn theta_max(&self) -> f64 {
-        self.max_theta_deg.to_radians()
+        self.given_theta_max().unwrap_or(80_f64.to_radians())
+    }
+
+    pub(crate) fn given_theta_max(&self) -> Option<f64> {
+        self.max_theta_deg.map(f64::to_radians)
     }
 
     /// The channels to work on, given those that a material has.
@@ -129,6 +140,22 @@ pub(crate) struct LightArgs {
     /// right, 90 above) [default: 30,135]
     #[arg(long, value_name = "THETA,PHI", value_parser = two_angles, allow_hyphen_values = true)]
     pub(crate) light_deg: Option<[f64; 2]>,
+}
+
+/// Bytes from a number with an optional unit: 500M, 4G.
+pub(crate) fn memory(text: &str) -> Result<usize, String> {
+    let expected = || "expected bytes, such as 500M or 4G".to_owned();
+    let (digits, shift) = match text
+        .trim_end_matches(['i', 'B'])
+        .split_at_checked(text.trim_end_matches(['i', 'B']).len().saturating_sub(1))
+    {
+        Some((digits, "K" | "k")) => (digits, 10),
+        Some((digits, "M")) => (digits, 20),
+        Some((digits, "G")) => (digits, 30),
+        _ => (text, 0),
+    };
+    let count: usize = digits.parse().map_err(|_| expected())?;
+    count.checked_shl(shift).filter(|bytes| bytes >> shift == count).ok_or_else(expected)
 }
 
 fn two_angles(text: &str) -> Result<[f64; 2], String> {

@@ -1,7 +1,7 @@
 //! The choices of `brdf factor` and the library's enums behind them, so that libraries know no clap.
 
 use brdf_factor::{Coordinate, FactorSpec, LogMap, Weight};
-use brdf_param::{Bound, Space};
+use brdf_param::{Bound, HemisphereMap, Parametrization, Space};
 use brdf_search::Objective;
 use clap::ValueEnum;
 
@@ -15,6 +15,16 @@ pub(crate) enum MethodArg {
     Radial,
     /// One texture for each projection of a file
     Projections,
+    /// Sum of products: truncated singular value decomposition
+    Svd,
+    /// The same of logarithms
+    LogSvd,
+    /// Sum of products: eigenpairs, one set of textures for light and view
+    Eigen,
+    /// Sum of products of non-negative textures
+    Nmf,
+    /// One product, without iteration
+    Normalized,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -23,6 +33,14 @@ pub(crate) enum SpaceArg {
     Standard,
     /// Half and difference vector
     HalfDifference,
+    /// Half and difference vector in the frame of the tangent (sums of products)
+    KautzMccool,
+    /// Tangent-plane parts of half and back vector (sums of products)
+    Orthographic,
+    /// Tangent-plane part of the half vector, whole back vector (sums of products)
+    Hybrid,
+    /// The view, and the light about it (sums of products)
+    OnionSlice,
     /// Search both; the lower error on validation pairs wins
     Auto,
 }
@@ -74,6 +92,62 @@ pub(crate) enum LogMapArg {
     Log,
     /// log(a − f), a above the largest value; resolves highlights
     Highlight,
+    /// log(1 + f cosθi), for --method log-svd
+    Cosine,
+}
+
+/// How the hemisphere is laid out in the textures of sums of products.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MapArg {
+    /// Seen from above: (x, y) in the unit disc
+    Orthographic,
+    /// Azimuth and √(1 − cosθ)
+    Polar,
+    /// (x, y) / (1 + z) in the unit disc
+    Parabolic,
+    /// Azimuth and polar angle
+    Spherical,
+    /// MERL's own grid: theta_h × (theta_d, phi_d), isotropic, 90 × 16200
+    Merl,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FillArg {
+    /// The value of the nearest pair with data
+    Edge,
+    /// 0
+    Zero,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum EigenSolverArg {
+    /// Block Krylov, stopped by residuals
+    Krylov,
+    /// As printed by the relighting paper; fails where eigenvalues of opposite sign are equal
+    Power,
+}
+
+impl MapArg {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Orthographic => "orthographic",
+            Self::Polar => "polar",
+            Self::Parabolic => "parabolic",
+            Self::Spherical => "spherical",
+            Self::Merl => "merl",
+        }
+    }
+
+    /// The map, unless it is a grid of its own.
+    pub(crate) fn hemisphere(self) -> Option<HemisphereMap> {
+        match self {
+            Self::Orthographic => Some(HemisphereMap::OrthographicDisc),
+            Self::Polar => Some(HemisphereMap::Polar),
+            Self::Parabolic => Some(HemisphereMap::Parabolic),
+            Self::Spherical => Some(HemisphereMap::Spherical),
+            Self::Merl => None,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -95,12 +169,26 @@ pub(crate) enum ReciprocityArg {
 }
 
 impl SpaceArg {
-    /// The spaces to search.
+    /// The spaces to search; none for those that have no projections.
     pub(crate) fn spaces(self) -> &'static [Space] {
         match self {
             Self::Standard => &[Space::Standard],
             Self::HalfDifference => &[Space::HalfDifference],
             Self::Auto => &[Space::Standard, Space::HalfDifference],
+            Self::KautzMccool | Self::Orthographic | Self::Hybrid | Self::OnionSlice => &[],
+        }
+    }
+
+    /// The parametrization that sums of products split, if it is one.
+    pub(crate) fn parametrization(self) -> Option<Parametrization> {
+        match self {
+            Self::Standard => Some(Parametrization::Standard),
+            Self::HalfDifference => Some(Parametrization::HalfDifference),
+            Self::KautzMccool => Some(Parametrization::KautzMcCool),
+            Self::Orthographic => Some(Parametrization::Orthographic),
+            Self::Hybrid => Some(Parametrization::Hybrid),
+            Self::OnionSlice => Some(Parametrization::OnionSlice),
+            Self::Auto => None,
         }
     }
 }
@@ -151,7 +239,17 @@ impl MethodArg {
             Self::Mccool => "mccool",
             Self::Radial => "radial",
             Self::Projections => "projections",
+            Self::Svd => "svd",
+            Self::LogSvd => "log-svd",
+            Self::Eigen => "eigen",
+            Self::Nmf => "nmf",
+            Self::Normalized => "normalized",
         }
+    }
+
+    /// The model is a sum of products.
+    pub(crate) fn is_separable(self) -> bool {
+        matches!(self, Self::Svd | Self::LogSvd | Self::Eigen | Self::Nmf | Self::Normalized)
     }
 }
 
@@ -164,12 +262,14 @@ impl From<BoundArg> for Bound {
     }
 }
 
-impl From<LogMapArg> for LogMap {
-    fn from(log_map: LogMapArg) -> Self {
-        match log_map {
-            LogMapArg::Offset => Self::Offset,
-            LogMapArg::Log => Self::Log,
-            LogMapArg::Highlight => Self::Highlight,
+impl LogMapArg {
+    /// The map of homomorphic fits, if it is one of theirs.
+    pub(crate) fn homomorphic(self) -> Option<LogMap> {
+        match self {
+            Self::Offset => Some(LogMap::Offset),
+            Self::Log => Some(LogMap::Log),
+            Self::Highlight => Some(LogMap::Highlight),
+            Self::Cosine => None,
         }
     }
 }

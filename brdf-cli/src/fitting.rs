@@ -23,7 +23,7 @@ use crate::searching::{Choice, Found, SearchPlan, SearchSamples};
 use crate::subject::Subject;
 
 /// Pairs of the held-out set of a material that can be drawn from.
-const HELD_OUT_PAIRS: u32 = 20_000;
+pub(crate) const HELD_OUT_PAIRS: u32 = 20_000;
 /// Parts that scattered rows are split into.
 const FOLDS: usize = 10;
 

@@ -1,17 +1,20 @@
 //! Spheres and strips for reports and for `render`.
 
 use brdf_factor::{ChannelMap, Factor, FactoredBrdf};
-use brdf_io::{IoError, OutputFolder, png_bytes, read_environment, write_exr};
+use brdf_io::{IoError, OutputFolder, SeparableFile, png_bytes, read_environment, write_exr};
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::DirectionPair;
+use brdf_plot::Plot;
 use brdf_render::{
-    DirectionalLight, DisplayImage, Film, Light, Panel, SphereView, ToneMap, difference,
-    render_sphere, strip, texture_view,
+    DirectionalLight, DisplayImage, Film, Light, Panel, Side, SphereView, ToneMap, difference,
+    render_sphere, strip, term_view, texture_view,
 };
+use brdf_separable::SeparableBrdf;
 
 use crate::args::LightArgs;
 use crate::fitting::Outcome;
 use crate::numbers::significant;
+use crate::report::separable::spectrum_plot;
 use crate::subject::Subject;
 
 /// Side of the spheres in reports.
@@ -148,6 +151,85 @@ impl Pictures {
         }
         Ok(())
     }
+}
+
+/// The pictures of a report on a sum of products.
+pub(crate) struct SeparablePictures {
+    pub(crate) spheres: Vec<u8>,
+    pub(crate) comparison: Comparison,
+    /// PNGs of each term: first side, and second where it has textures of its own.
+    pub(crate) views: Vec<(Vec<u8>, Option<Vec<u8>>)>,
+    /// EXRs of the same.
+    exact: Vec<(Vec<u8>, Option<Vec<u8>>)>,
+    pub(crate) spectrum: Plot,
+}
+
+impl SeparablePictures {
+    pub(crate) fn new(
+        subject: &Subject,
+        file: &SeparableFile,
+        channels: Channels,
+    ) -> anyhow::Result<Self> {
+        let model = &file.model;
+        let light = Light::Directional(DirectionalLight::default());
+        let view = SphereView { size: SPHERE_SIZE, ..SphereView::default() };
+        let name = subject.short_name();
+        let reference = Grey::unless(channels == Channels::Rgb, subject.brdf());
+        let comparison =
+            comparison((&name, reference.as_brdf()), ("approximation", model), &light, &view);
+        let both = |one: &dyn Fn(Side, usize) -> anyhow::Result<Vec<u8>>| {
+            (0..model.rank())
+                .map(|term| {
+                    let second = model.second().map(|_| one(Side::Second, term)).transpose()?;
+                    Ok((one(Side::First, term)?, second))
+                })
+                .collect::<anyhow::Result<Vec<_>>>()
+        };
+        Ok(Self {
+            spheres: png(&comparison.picture)?,
+            comparison,
+            views: both(&|side, term| png(&term_view(model, side, term)))?,
+            exact: both(&|side, term| term_exr(model, side, term))?,
+            spectrum: spectrum_plot(&name, &file.fit.spectra)?,
+        })
+    }
+
+    pub(crate) fn write(&self, folder: &mut OutputFolder) -> anyhow::Result<()> {
+        folder.write("spheres.png", &self.spheres)?;
+        folder.write("spectrum.svg", self.spectrum.svg().as_bytes())?;
+        for (kind, files) in [("png", &self.views), ("exr", &self.exact)] {
+            for (index, (first, second)) in files.iter().enumerate() {
+                folder.write(&format!("first-{index}.{kind}"), first)?;
+                if let Some(second) = second {
+                    folder.write(&format!("second-{index}.{kind}"), second)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A term's texture on one side, exact.
+fn term_exr(model: &SeparableBrdf, side: Side, term: usize) -> anyhow::Result<Vec<u8>> {
+    let (chart, channels) = match side {
+        Side::First => (model.layout().first, model.first_channels()),
+        Side::Second => (model.layout().second, model.maps().len()),
+    };
+    let names = if channels == 3 { &["R", "G", "B"][..] } else { &["Y"] };
+    let planes: Vec<(&str, Vec<f32>)> = names
+        .iter()
+        .enumerate()
+        .map(|(channel, name)| {
+            #[expect(clippy::cast_possible_truncation, reason = "textures are stored in f32")]
+            let value = |texel| match side {
+                Side::First => model.first_at(texel, term, channel) as f32,
+                Side::Second => model.second_at(texel, term, channel) as f32,
+            };
+            (*name, (0..chart.texels()).map(value).collect())
+        })
+        .collect();
+    let [columns, rows] = chart.size();
+    Ok(write_exr(columns, rows, &planes)?)
 }
 
 /// Each texture of a model as PNG, to look at, and as EXR: exact log values.

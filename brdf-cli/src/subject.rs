@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use brdf_io::{Measured, Measurement, ReadOptions, open_measurement};
-use brdf_model::{Analytic, Brdf, Channels, Preset, SampleSet};
+use brdf_io::{
+    IoError, MappedFile, Measured, Measurement, ReadOptions, nbrdf_names, open_measurement,
+};
+use brdf_model::{Analytic, Brdf, Channels, Nbrdf, Preset, SampleSet};
 
 /// A material to work on.
 pub(crate) struct Subject {
@@ -18,6 +20,16 @@ enum Source {
     File(Box<Measurement>),
 }
 
+/// FILE.npz:NAME as file and material; anything else as it is.
+fn archive_member(argument: &str) -> (&Path, Option<String>) {
+    match argument.rsplit_once(".npz:") {
+        Some((stem, material)) => {
+            (Path::new(&argument[..stem.len() + 4]), Some(material.to_owned()))
+        }
+        None => (Path::new(argument), None),
+    }
+}
+
 const PRESET: &str = "preset:";
 
 impl Subject {
@@ -29,7 +41,8 @@ impl Subject {
             };
             Source::Preset(preset.brdf())
         } else {
-            let path = Path::new(argument);
+            let (path, material) = archive_member(argument);
+            let options = &ReadOptions { material, ..options.clone() };
             let measurement = open_measurement(path, options);
             // A preset's bare name is the likeliest slip.
             let hint = (!path.exists() && Preset::find(argument).is_some())
@@ -42,8 +55,22 @@ impl Subject {
         Ok(Self { argument: argument.to_owned(), source })
     }
 
+    /// Every material of an archive, or the one material that an argument names.
+    pub(crate) fn open_all(argument: &str, options: &ReadOptions) -> anyhow::Result<Vec<Self>> {
+        let path = Path::new(argument);
+        let is_archive = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+        if !(is_archive && path.is_file()) {
+            return Ok(vec![Self::open(argument, options)?]);
+        }
+        let names = nbrdf_names(&MappedFile::open(path)?).map_err(IoError::format(path))?;
+        names.iter().map(|name| Self::open(&format!("{argument}:{name}"), options)).collect()
+    }
+
     /// A name without folders, for captions and records.
     pub(crate) fn short_name(&self) -> String {
+        if let (_, Some(material)) = archive_member(&self.argument) {
+            return material;
+        }
         let name = Path::new(&self.argument).file_name();
         name.map_or_else(|| self.argument.clone(), |name| name.to_string_lossy().into_owned())
     }
@@ -87,7 +114,10 @@ impl Subject {
             Source::File(measurement) => match &measurement.measured {
                 Measured::Samples(scattered) => scattered.samples().channels(),
                 Measured::Model(file) => file.model.channels(),
-                Measured::Merl(_) | Measured::Rgl(_) | Measured::Utia(_) => Channels::Rgb,
+                Measured::Separable(file) => file.model.channels(),
+                Measured::Merl(_) | Measured::Rgl(_) | Measured::Utia(_) | Measured::Nbrdf(_) => {
+                    Channels::Rgb
+                }
             },
         }
     }
@@ -99,6 +129,8 @@ impl Subject {
             Source::Preset(_) => 0,
             Source::File(measurement) => match &measurement.measured {
                 Measured::Model(file) => file.model.payload_bytes(),
+                Measured::Separable(file) => file.model.payload_bytes(),
+                Measured::Nbrdf(_) => 4 * Nbrdf::WEIGHTS,
                 _ => measurement.bytes,
             },
         }

@@ -106,7 +106,8 @@ mod tests {
     fn an_output_bias_alone_is_a_diffuser() {
         let mut weights = vec![0.0; Nbrdf::WEIGHTS];
         weights[Nbrdf::WEIGHTS - 3..].copy_from_slice(&[0.1, 0.2, 0.3]);
-        let value = Nbrdf::new(&weights).unwrap().eval(&DirectionPair::from_angles(0.3, 1.0, 0.9, 2.0));
+        let value =
+            Nbrdf::new(&weights).unwrap().eval(&DirectionPair::from_angles(0.3, 1.0, 0.9, 2.0));
         assert!((value.g - f64::from(0.2_f32.exp_m1())).abs() < 1e-7, "{value:?}");
     }
 

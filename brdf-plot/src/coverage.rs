@@ -41,7 +41,8 @@ pub fn plot_coverage(
     }
     let fields = counts.map(|c| if rows.is_some() { c.totals() } else { c.shares() });
     let scale = if rows.is_some() {
-        let most = fields.iter().flat_map(|f| f.values.iter().flatten()).copied().fold(1.0, f64::max);
+        let most =
+            fields.iter().flat_map(|f| f.values.iter().flatten()).copied().fold(1.0, f64::max);
         HeatScale { label: "rows a bin".to_owned(), range: [0.0, most], log: false }
     } else {
         HeatScale { label: "share with data".to_owned(), range: [0.0, 1.0], log: false }

@@ -85,11 +85,7 @@ fn draw(
     theta_i: f64,
 ) -> Result<(), PlotError> {
     let (around, above) = (VIEW_DEG.0.to_radians(), VIEW_DEG.1.to_radians());
-    let towards = DVec3::new(
-        -around.sin() * above.cos(),
-        -around.cos() * above.cos(),
-        above.sin(),
-    );
+    let towards = DVec3::new(-around.sin() * above.cos(), -around.cos() * above.cos(), above.sin());
     let right = DVec3::Z.cross(towards).normalize();
     let up = towards.cross(right);
     #[expect(clippy::cast_possible_truncation, reason = "units of a small panel")]

@@ -80,9 +80,7 @@ fn steps(count: usize) -> impl Iterator<Item = f64> {
 }
 
 /// A panel for each parametrization and azimuth.
-fn panels(
-    content: impl Fn(Parametrization, f64) -> (Option<Field>, Vec<Contours>),
-) -> Vec<Heat> {
+fn panels(content: impl Fn(Parametrization, f64) -> (Option<Field>, Vec<Contours>)) -> Vec<Heat> {
     STUDIED
         .into_iter()
         .flat_map(|parametrization| AZIMUTHS.map(|azimuth| (parametrization, azimuth)))

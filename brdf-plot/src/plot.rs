@@ -5,8 +5,8 @@ use std::sync::{Arc, LazyLock};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use plotters::prelude::{DrawingArea, IntoDrawingArea as _, SVGBackend};
 use plotters::coord::Shift;
+use plotters::prelude::{DrawingArea, IntoDrawingArea as _, SVGBackend};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 

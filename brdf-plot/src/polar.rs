@@ -21,11 +21,7 @@ const STEPS: u32 = 360;
 /// # Errors
 ///
 /// [`PlotError::Nothing`] where nothing is reflected; [`PlotError::Drawing`].
-pub fn plot_polar(
-    name: &str,
-    brdf: &dyn Brdf,
-    incidences_deg: &[f64],
-) -> Result<Plot, PlotError> {
+pub fn plot_polar(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result<Plot, PlotError> {
     let lobes: Vec<Vec<Option<(f64, f64)>>> =
         incidences_deg.iter().map(|theta| lobe(brdf, theta.to_radians())).collect();
     let largest =
@@ -49,9 +45,7 @@ pub fn plot_polar(
             chart.draw_series(LineSeries::new(arc, FAINT)).map_err(|e| drawing(&e))?;
             let label = short((radius * largest).powi(3));
             let place = (radius - 0.02, -0.03);
-            chart
-                .draw_series([Text::new(label, place, text.clone())])
-                .map_err(|e| drawing(&e))?;
+            chart.draw_series([Text::new(label, place, text.clone())]).map_err(|e| drawing(&e))?;
         }
         for degrees in (-90..=90).step_by(30) {
             let theta = f64::from(degrees).to_radians();

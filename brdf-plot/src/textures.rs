@@ -26,18 +26,14 @@ pub fn plot_textures(
     let columns = columns.clamp(1, pictures.len());
     let rows = pictures.len().div_ceil(columns);
     let (step_x, step_y) = (SIDE + GAP, SIDE + CAPTION + GAP);
-    let size = (
-        (int(columns) * step_x + GAP).unsigned_abs(),
-        (int(rows) * step_y + GAP).unsigned_abs(),
-    );
+    let size =
+        ((int(columns) * step_x + GAP).unsigned_abs(), (int(rows) * step_y + GAP).unsigned_abs());
     on_sheet(size, |sheet, bitmaps| {
         for (index, (caption, picture)) in pictures.iter().enumerate() {
             let left = GAP + int(index % columns) * step_x;
             let top = GAP + int(index / columns) * step_y;
             let style = ("sans-serif", 12).into_font().color(&INK);
-            sheet
-                .draw(&Text::new(caption.clone(), (left, top), style))
-                .map_err(|e| drawing(&e))?;
+            sheet.draw(&Text::new(caption.clone(), (left, top), style)).map_err(|e| drawing(&e))?;
             let rgb = picture.bytes().as_chunks::<3>().0;
             let height = if picture.height() < picture.width() / 2 { SIDE / 4 } else { SIDE };
             bitmaps.push(Bitmap {

@@ -15,6 +15,7 @@
 mod display;
 mod film;
 mod light;
+mod separable_view;
 mod sphere;
 mod strip;
 mod texture_view;
@@ -22,6 +23,7 @@ mod texture_view;
 pub use display::{DisplayImage, ToneMap};
 pub use film::{Film, Pixel};
 pub use light::{DirectionalLight, Environment, EnvironmentError, Light};
+pub use separable_view::{Side, term_view};
 pub use sphere::{SphereView, render_sphere};
 pub use strip::{Panel, difference, strip};
 pub use texture_view::{MASKED_OUT, texture_view};

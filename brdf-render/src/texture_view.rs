@@ -9,7 +9,7 @@ use crate::display::{DisplayImage, srgb_bytes};
 pub const MASKED_OUT: [u8; 3] = [230, 190, 40];
 
 /// Side of the picture in pixels; texels become squares of equal size.
-const SIDE: usize = 256;
+pub(crate) const SIDE: usize = 256;
 
 /// A factor's texels, exponentiated and scaled so that each channel's largest value shows as white,
 /// with v upwards. One-dimensional factors become a band.

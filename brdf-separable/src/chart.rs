@@ -321,9 +321,9 @@ mod tests {
 
     #[test]
     fn a_node_is_read_from_its_own_texel() {
-        let merl = [MerlNodes::Centre, MerlNodes::Edge].into_iter().flat_map(|nodes| {
-            [Chart::MerlThetaH { nodes }, Chart::MerlThetaDPhiD { nodes }]
-        });
+        let merl = [MerlNodes::Centre, MerlNodes::Edge]
+            .into_iter()
+            .flat_map(|nodes| [Chart::MerlThetaH { nodes }, Chart::MerlThetaDPhiD { nodes }]);
         for chart in charts().into_iter().chain(merl) {
             for node in chart.nodes() {
                 let taps = chart.taps(node.direction);

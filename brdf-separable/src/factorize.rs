@@ -147,11 +147,8 @@ fn side_by_side(channels: &[Mat<f64>]) -> Mat<f64> {
 }
 
 fn decompose(matrix: MatRef<'_, f64>, params: &SeparableParams) -> Result<Part, SeparableError> {
-    let krylov = KrylovParams {
-        rank: params.rank,
-        tolerance: params.tolerance,
-        ..KrylovParams::default()
-    };
+    let krylov =
+        KrylovParams { rank: params.rank, tolerance: params.tolerance, ..KrylovParams::default() };
     match params.decomposition {
         Decomposition::Svd => Ok(Part::of_pairs(top_singular_triplets(matrix, &krylov)?)),
         Decomposition::Eigen(EigenSolver::Krylov) => {

@@ -248,9 +248,8 @@ fn krylov(
         let next = orthonormal(&space.vectors, image);
         let is_invariant = next.ncols() == 0;
         let (count, cuts_a_group) = finished(&sorted, params, dimension);
-        let rotation = |columns: usize| {
-            Mat::from_fn(dimension, columns, |row, k| ritz.U()[(row, order[k])])
-        };
+        let rotation =
+            |columns: usize| Mat::from_fn(dimension, columns, |row, k| ritz.U()[(row, order[k])]);
         let chosen = rotation(count);
         let residuals = space.residuals(&chosen, &sorted);
         let converged = is_invariant || residuals.iter().all(|r| *r <= params.tolerance);
@@ -332,8 +331,12 @@ fn orthonormal(basis: &Mat<f64>, mut block: Mat<f64>) -> Mat<f64> {
         let mut kept: Vec<usize> = Vec::new();
         for column in 0..block.ncols() {
             for &earlier in &kept {
-                let along: f64 =
-                    block.col(earlier).iter().zip(block.col(column).iter()).map(|(a, b)| a * b).sum();
+                let along: f64 = block
+                    .col(earlier)
+                    .iter()
+                    .zip(block.col(column).iter())
+                    .map(|(a, b)| a * b)
+                    .sum();
                 for row in 0..block.nrows() {
                     block[(row, column)] -= along * block[(row, earlier)];
                 }

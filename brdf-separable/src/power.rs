@@ -62,8 +62,7 @@ fn dominant(matrix: &Mat<f64>, rng: &mut SplitMix64) -> PowerPair {
         }
         vector.col_mut(0).iter_mut().for_each(|v| *v /= norm);
         let image = transposed_product(matrix.as_ref(), vector.as_ref());
-        let quotient: f64 =
-            vector.col(0).iter().zip(image.col(0).iter()).map(|(a, b)| a * b).sum();
+        let quotient: f64 = vector.col(0).iter().zip(image.col(0).iter()).map(|(a, b)| a * b).sum();
         let off = image.col(0) - vector.col(0) * faer::Scale(quotient);
         residual = off.norm_l2() / quotient.abs();
         iterations += 1;

@@ -8,9 +8,9 @@ use brdf_separable::{
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::STUDIED;
 use crate::grid::{Grid, Means, unit_coordinates};
 use crate::slice::{SliceAlignment, alignment};
-use crate::STUDIED;
 
 /// What is measured with. The defaults give every parametrization 13,824 nodes for resampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,10 +92,8 @@ pub fn study_material(
             .collect();
         (drawn.pairs().collect::<Vec<DirectionPair>>(), targets)
     };
-    let (means, judged): (Judged, Judged) = (
-        Judged::new(pairs(params.seed)),
-        Judged::new(pairs(params.seed.wrapping_add(1))),
-    );
+    let (means, judged): (Judged, Judged) =
+        (Judged::new(pairs(params.seed)), Judged::new(pairs(params.seed.wrapping_add(1))));
     if judged.pairs.is_empty() || means.pairs.is_empty() {
         return Err(SeparableError::NoData { rows: params.matrix, columns: params.matrix });
     }

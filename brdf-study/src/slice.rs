@@ -70,9 +70,9 @@ pub(crate) fn pair_at(
 /// The polar angle at a share of a radial coordinate's range.
 fn polar_angle_of(parametrization: Parametrization, share: f64) -> f64 {
     match parametrization {
-        Parametrization::Standard | Parametrization::HalfDifference | Parametrization::OnionSlice => {
-            FRAC_PI_2 * share
-        }
+        Parametrization::Standard
+        | Parametrization::HalfDifference
+        | Parametrization::OnionSlice => FRAC_PI_2 * share,
         Parametrization::KautzMcCool => 2.0 * share.atan(),
         Parametrization::Orthographic | Parametrization::Hybrid => share.min(1.0).asin(),
     }
@@ -82,9 +82,9 @@ fn polar_angle_of(parametrization: Parametrization, share: f64) -> f64 {
 pub(crate) fn share_of(parametrization: Parametrization, point: glam::DVec3) -> f64 {
     let radius = point.truncate().length();
     match parametrization {
-        Parametrization::Standard | Parametrization::HalfDifference | Parametrization::OnionSlice => {
-            brdf_param::polar_angle(point) / FRAC_PI_2
-        }
+        Parametrization::Standard
+        | Parametrization::HalfDifference
+        | Parametrization::OnionSlice => brdf_param::polar_angle(point) / FRAC_PI_2,
         Parametrization::KautzMcCool => radius / (1.0 + point.z),
         Parametrization::Orthographic | Parametrization::Hybrid => radius,
     }

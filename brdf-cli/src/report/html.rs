@@ -12,7 +12,7 @@ use super::Report;
 use super::chart::error_chart;
 use crate::fitting::Outcome;
 use crate::numbers::{bytes, or_dash, percent, significant};
-use crate::pictures::Pictures;
+use crate::pictures::{Comparison, Pictures};
 
 const STYLE: &str = "
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 62rem; padding: 0 1rem;
@@ -29,50 +29,60 @@ th:first-child, td:first-child { text-align: left; } code { background: #eee; pa
 
 /// The page.
 pub(crate) fn page(report: &Report, outcome: &Outcome, pictures: &Pictures) -> String {
+    document(
+        &format!("{}, factored", report.name),
+        &html! {
+            p {
+                (report.terms.last().map_or(0, |t| t.textures)) " textures, "
+                (bytes(report.bytes)) ", method " (report.method) ", fitted in "
+                (significant(report.seconds)) " s."
+            }
+            (spheres(&pictures.spheres, &pictures.comparison))
+            (errors(report))
+            (search(report, pictures))
+            (textures(outcome, pictures))
+            (samples(report))
+            h2 { "Command" }
+            p { code { (command()) } }
+            h2 { "Settings" }
+            pre { (serde_json::to_string_pretty(&report.settings).unwrap_or_default()) }
+        },
+    )
+}
+
+/// A page that needs no other file.
+pub(crate) fn document(title: &str, content: &Markup) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width";
-                title { "brdf factor: " (report.name) }
+                title { "brdf: " (title) }
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                h1 { (report.name) ", factored" }
-                p {
-                    (report.terms.last().map_or(0, |t| t.textures)) " textures, "
-                    (bytes(report.bytes)) ", method " (report.method) ", fitted in "
-                    (significant(report.seconds)) " s."
-                }
-                (spheres(pictures))
-                (errors(report))
-                (search(report, pictures))
-                (textures(outcome, pictures))
-                (samples(report))
-                h2 { "Command" }
-                p { code { (command()) } }
-                h2 { "Settings" }
-                pre { (serde_json::to_string_pretty(&report.settings).unwrap_or_default()) }
+                h1 { (title) }
+                (content)
             }
         }
     }
     .into_string()
 }
 
-fn picture(png: &[u8], alt: &str) -> Markup {
+pub(crate) fn picture(png: &[u8], alt: &str) -> Markup {
     html! { img src=(format!("data:image/png;base64,{}", STANDARD.encode(png))) alt=(alt); }
 }
 
-fn spheres(pictures: &Pictures) -> Markup {
+pub(crate) fn spheres(strip: &[u8], comparison: &Comparison) -> Markup {
     html! {
         h2 { "Spheres" }
-        (picture(&pictures.spheres, "reference, approximation, difference"))
+        (picture(strip, "reference, approximation, difference"))
         p {
             "Reference, approximation, and their difference brightened four times, under one "
             "directional light 30° from the camera, with irradiance π. Exposure "
-            (significant(pictures.comparison.exposure)) ", sRGB; "
-            (percent(pictures.comparison.clipped_share))
+            (significant(comparison.exposure)) ", sRGB; "
+            (percent(comparison.clipped_share))
             " of the reference's pixels are clipped. Chequered violet: no data."
         }
     }
@@ -255,7 +265,7 @@ fn samples(report: &Report) -> Markup {
 }
 
 /// The command line, quoted where a shell would need it.
-fn command() -> String {
+pub(crate) fn command() -> String {
     let quoted = |word: String| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,@%+".contains(c);
         if !word.is_empty() && word.chars().all(plain) {

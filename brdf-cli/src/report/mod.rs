@@ -3,6 +3,7 @@
 mod chart;
 pub(crate) mod html;
 pub(crate) mod notes;
+pub(crate) mod separable;
 
 use brdf_factor::{Coordinate, EvalCounts, FactoredBrdf, Solver};
 use brdf_io::{FitSettings, TermRecord};

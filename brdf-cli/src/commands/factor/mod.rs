@@ -2,6 +2,7 @@
 
 mod keep;
 mod plan;
+mod separable;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use brdf_model::{Channels, SampleSet};
 
 use self::keep::KeepArgs;
 use self::plan::SearchArgs;
+use self::separable::SeparableArgs;
 use crate::args::{PairArgs, ReadArgs, not_negative};
 use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
 use crate::fitting::{self, Method, Outcome};
@@ -40,6 +42,8 @@ use crate::subject::Subject;
 ///   brdf factor --from garnet/model.safetensors --keep 2 -o small
 ///   brdf factor preset:ggx --method mccool         two textures over fixed coordinates, at once
 ///   brdf factor preset:ggx --method projections --projections planes.toml --space half-difference
+///   brdf factor preset:plastic --method eigen --rank 16       sums of products, for relighting
+///   brdf factor silk.binary --method log-svd --space half-difference --isotropic --rank 8
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Factor {
@@ -120,6 +124,9 @@ pub(super) struct Factor {
     search: SearchArgs,
 
     #[command(flatten)]
+    separable: SeparableArgs,
+
+    #[command(flatten)]
     keep: KeepArgs,
 
     #[command(flatten)]
@@ -131,6 +138,10 @@ impl Factor {
         if let Some(kept) = self.keep.open()? {
             return keep::run(kept, &self.output, self.force, self.json, out);
         }
+        if self.method.is_separable() {
+            return self.run_separable(out);
+        }
+        self.check_homomorphic()?;
         let method = self.plan()?;
         let subject = Subject::open(&self.input, &self.read.options())?;
         // Opened first, so that an output that cannot be written is known before the work.
@@ -175,7 +186,7 @@ impl Factor {
                 texture_size: self.texture_size() as usize,
                 bound: self.bound.into(),
                 smoothing: self.smoothing,
-                log_map: self.log_map.into(),
+                log_map: self.log_map.homomorphic().unwrap_or_default(),
                 weight: self.weight.into(),
                 terms: match method {
                     Method::Search(plan) => plan.term_solve(),

@@ -55,7 +55,7 @@ pub(super) struct SearchArgs {
 
 impl SearchArgs {
     /// The first option that was given, if any.
-    fn given(&self) -> Option<&'static str> {
+    pub(super) fn given(&self) -> Option<&'static str> {
         [
             (self.search.is_some(), "--search"),
             (self.terms.is_some(), "--terms"),
@@ -71,6 +71,26 @@ impl SearchArgs {
 }
 
 impl Factor {
+    /// Refuses what only sums of products have.
+    pub(super) fn check_homomorphic(&self) -> anyhow::Result<()> {
+        let name = self.method.name();
+        if let Some(option) = self.separable.given() {
+            return Err(usage(format!(
+                "{option} is for --method svd, log-svd, eigen, nmf or normalized, not {name}"
+            )));
+        }
+        if self.log_map.homomorphic().is_none() {
+            return Err(usage(format!("--log-map cosine is for --method log-svd, not {name}")));
+        }
+        if self.space.is_some_and(|space| space.spaces().is_empty()) {
+            return Err(usage(format!(
+                "--method {name} has no such space; expected standard or half-difference (others are \
+                 for --method svd and its kin)"
+            )));
+        }
+        Ok(())
+    }
+
     /// What is to be done.
     pub(super) fn plan(&self) -> anyhow::Result<Method> {
         if self.method != MethodArg::Projections && self.projections.is_some() {
@@ -107,9 +127,8 @@ impl Factor {
                 let space = space.unwrap_or(Space::Standard);
                 Method::Terms(FactorSpec::projections(space, &projections, reciprocal))
             }
-            MethodArg::Mccool | MethodArg::Search => {
-                Method::Together(FactorSpec::mccool(reciprocal))
-            }
+            // Searches and sums of products were told apart before.
+            _ => Method::Together(FactorSpec::mccool(reciprocal)),
         })
     }
 
