@@ -1,13 +1,15 @@
 //! Spheres and strips for reports and for `render`.
 
+use std::path::PathBuf;
+
 use brdf_factor::{ChannelMap, Factor, FactoredBrdf};
 use brdf_io::{IoError, OutputFolder, SeparableFile, png_bytes, read_environment, write_exr};
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::DirectionPair;
 use brdf_plot::Plot;
 use brdf_render::{
-    DirectionalLight, DisplayImage, Film, Light, Panel, Side, SphereView, ToneMap, difference,
-    render_sphere, strip, term_view, texture_view,
+    DirectionalLight, DisplayImage, Environment, Film, Light, Panel, Side, SphereView, ToneMap,
+    difference, render_sphere, strip, term_view, texture_view,
 };
 use brdf_separable::SeparableBrdf;
 
@@ -31,6 +33,27 @@ pub(crate) fn light(args: &LightArgs) -> Result<Light, IoError> {
     Ok(Light::Directional(args.light_deg.map_or_else(DirectionalLight::default, |[theta, phi]| {
         DirectionalLight { theta: theta.to_radians(), phi: phi.to_radians() }
     })))
+}
+
+/// The lights that measures on spheres are taken under: environments, the built-in ones unless
+/// others are given, and one directional light.
+pub(crate) fn metric_lights(files: &[PathBuf]) -> anyhow::Result<Vec<(String, Light)>> {
+    let mut lights = if files.is_empty() {
+        vec![
+            ("sky".to_owned(), Light::Environment(Environment::sky()?)),
+            ("studio".to_owned(), Light::Environment(Environment::studio()?)),
+        ]
+    } else {
+        files
+            .iter()
+            .map(|path| {
+                let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
+                Ok((name.into_owned(), Light::Environment(read_environment(path)?)))
+            })
+            .collect::<Result<Vec<_>, IoError>>()?
+    };
+    lights.push(("point".to_owned(), Light::Directional(DirectionalLight::default())));
+    Ok(lights)
 }
 
 /// A reference and its approximation: side by side with their difference, at the reference's

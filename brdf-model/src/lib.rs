@@ -25,6 +25,7 @@ mod merl;
 mod merl_batch;
 mod metrics;
 mod nbrdf;
+mod perceptual;
 mod preset;
 mod rgb;
 mod rgl;
@@ -47,9 +48,11 @@ pub use fresnel::{Fresnel, conductor_reflectance, dielectric_reflectance};
 pub use interpolated_warp::{InterpolatedWarp, WarpShape};
 pub use merl::{MerlLookup, MerlNodes, MerlTable};
 pub use metrics::{
-    COSINE_RMS_PAIRS, CosineRms, ErrorMeasures, FitErrors, cosine_rms, log_offsets, measure,
+    COSINE_RMS_PAIRS, CosineRms, ErrorMeasures, FitErrors, cosine_rms, cosine_rms_pairs,
+    log_offsets, measure,
 };
 pub use nbrdf::Nbrdf;
+pub use perceptual::{PerceptualErrors, perceptual_errors};
 pub use preset::Preset;
 pub use rgb::{Channels, Rgb};
 pub use rgl::{RglBrdf, RglTables};

@@ -12,8 +12,10 @@
 //! assert_eq!((picture.width(), picture.height()), (32, 32));
 //! ```
 
+mod built_in_light;
 mod display;
 mod film;
+mod image_error;
 mod light;
 mod separable_view;
 mod sphere;
@@ -22,6 +24,10 @@ mod texture_view;
 
 pub use display::{DisplayImage, ToneMap};
 pub use film::{Film, Pixel};
+pub use image_error::{
+    ImageErrors, PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, image_errors, psnr_db,
+    ssim_map,
+};
 pub use light::{DirectionalLight, Environment, EnvironmentError, Light};
 pub use separable_view::{Side, term_view};
 pub use sphere::{SphereView, render_sphere};

@@ -7,6 +7,7 @@
 )]
 
 mod eigenvalues;
+mod image_metrics;
 mod merl_layout;
 mod microfacet;
 mod rgl;

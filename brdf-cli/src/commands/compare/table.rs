@@ -1,0 +1,64 @@
+//! Comparisons as people read them.
+
+use std::io::Write;
+
+use super::Comparison;
+use crate::numbers::{bytes, or_dash, significant};
+
+/// A line for each model.
+pub(super) fn print_basic(comparison: &Comparison, out: &mut impl Write) -> std::io::Result<()> {
+    head(comparison, out)?;
+    let results = &comparison.results;
+    let width = results.iter().map(|r| r.model.chars().count()).max().unwrap_or(0).max(5);
+    let columns =
+        ["bytes", "log abs", "log sq", "log max", "lin abs", "lin sq", "lin max", "cosine rms"];
+    write!(out, "{:width$}", "model")?;
+    columns.iter().try_for_each(|column| write!(out, "  {column:>10}"))?;
+    writeln!(out)?;
+    for row in results {
+        write!(out, "{:width$}  {:>10}", row.model, bytes(row.bytes))?;
+        for errors in [&row.log, &row.linear] {
+            for value in [errors.mean_abs, errors.mean_square, errors.max] {
+                write!(out, "  {:>10}", significant(value))?;
+            }
+        }
+        writeln!(out, "  {:>10}", or_dash(row.cosine_rms))?;
+        if row.without_data > 0 {
+            writeln!(out, "{:width$}  {} pairs without data left out", "", row.without_data)?;
+        }
+    }
+    Ok(())
+}
+
+/// A line for each measure, a column for each model.
+pub(super) fn print_all(comparison: &Comparison, out: &mut impl Write) -> std::io::Result<()> {
+    head(comparison, out)?;
+    let columns: Vec<_> = comparison.results.iter().map(super::Row::measures).collect();
+    let Some(first) = columns.first() else { return Ok(()) };
+    let label = first.iter().map(|m| m.name.chars().count()).max().unwrap_or(0);
+    for (index, row) in comparison.results.iter().enumerate() {
+        writeln!(out, "[{}] {}", index + 1, row.model)?;
+    }
+    write!(out, "{:label$}", "")?;
+    for index in 1..=columns.len() {
+        write!(out, "  {:>10}", format!("[{index}]"))?;
+    }
+    writeln!(out)?;
+    for measure in first {
+        write!(out, "{:label$}", measure.name)?;
+        for column in &columns {
+            let same = column.iter().find(|other| other.name == measure.name);
+            write!(out, "  {:>10}", or_dash(same.and_then(|m| m.value)))?;
+        }
+        writeln!(out)?;
+    }
+    for row in comparison.results.iter().filter(|row| row.without_data > 0) {
+        writeln!(out, "{}: {} pairs without data left out", row.model, row.without_data)?;
+    }
+    Ok(())
+}
+
+fn head(comparison: &Comparison, out: &mut impl Write) -> std::io::Result<()> {
+    let Comparison { reference, samples, seed, .. } = comparison;
+    writeln!(out, "reference {reference}, {samples} pairs, seed {seed}")
+}
