@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempDir};
 
-use crate::pictures::PICTURE_MARK;
+use crate::pictures::{PICTURE_MARK, PLOT_MARK};
 use crate::{Format, IoError, MappedFile, detect, direction_table_header};
 
 /// What may be overwritten.
@@ -54,18 +54,21 @@ fn is_ours(content: &[u8]) -> bool {
     let is_table = content.starts_with(direction_table_header(false).as_bytes());
     let is_picture = content.starts_with(b"\x89PNG")
         && content.windows(PICTURE_MARK.len()).take(4096).any(|w| w == PICTURE_MARK);
-    is_table || is_picture || matches!(detect(content), Ok(Format::Native))
+    let is_plot = content.starts_with(b"<svg")
+        && content.windows(PLOT_MARK.len()).take(4096).any(|w| w == PLOT_MARK);
+    is_table || is_picture || is_plot || matches!(detect(content), Ok(Format::Native))
 }
 
 /// The name of the file by which a folder of ours is recognised, and how that file starts.
 const MARK: (&str, &str) = ("report.json", "{\n  \"brdf\":");
 
 /// Files of every folder of ours; textures have numbers.
-const OUR_NAMES: [&str; 6] = [
+const OUR_NAMES: [&str; 7] = [
     "model.safetensors",
     "sphere.png",
     "spheres.png",
     "spectrum.svg",
+    "study.csv",
     "report.html",
     "report.json",
 ];
@@ -178,10 +181,10 @@ fn entries(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), IoError> {
 
 fn is_our_name(path: &Path) -> bool {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let is_numbered = ["factor-", "first-", "second-"].iter().any(|prefix| {
-        name.strip_prefix(prefix)
-            .and_then(|rest| rest.strip_suffix(".exr").or_else(|| rest.strip_suffix(".png")))
-            .is_some_and(|number| number.parse::<u32>().is_ok())
+    let is_numbered = ["factor-", "first-", "second-", "slices-"].iter().any(|prefix| {
+        name.strip_prefix(prefix).and_then(|rest| rest.rsplit_once('.')).is_some_and(
+            |(number, kind)| number.parse::<u32>().is_ok() && ["exr", "png", "svg"].contains(&kind),
+        )
     });
     OUR_NAMES.contains(&name.as_str()) || is_numbered
 }

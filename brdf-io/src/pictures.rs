@@ -12,6 +12,9 @@ use crate::{FormatError, IoError, MappedFile};
 /// How our pictures are recognised: their Software text.
 pub(crate) const PICTURE_MARK: &[u8] = b"Software\0brdf";
 
+/// How our plots are recognised: the comment at their head.
+pub(crate) const PLOT_MARK: &[u8] = b"<!-- brdf plot -->";
+
 /// Largest environment that is read.
 const MAX_ENVIRONMENT_SIDE: u32 = 16_384;
 const MAX_ENVIRONMENT_BYTES: u64 = 2 << 30;

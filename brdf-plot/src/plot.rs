@@ -117,7 +117,9 @@ pub(crate) fn on_sheet(
         draw(&sheet, &mut bitmaps)?;
         sheet.present().map_err(|e| drawing(&e))?;
     }
-    let mut under = String::from("\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>");
+    // The comment is the mark by which our plots are recognised.
+    let mut under =
+        String::from("\n<!-- brdf plot -->\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>");
     for bitmap in &bitmaps {
         let [left, top, width, height] = bitmap.place;
         let encoded = STANDARD.encode(encode(bitmap)?);

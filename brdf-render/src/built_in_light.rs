@@ -7,8 +7,8 @@ use glam::DVec3;
 
 use crate::{Environment, EnvironmentError};
 
-const WIDTH: usize = 256;
-const HEIGHT: usize = 128;
+const WIDTH: usize = 128;
+const HEIGHT: usize = 64;
 
 impl Environment {
     /// A clear sky over brown ground: horizon brighter than zenith, and a sun 6° across, 40° above

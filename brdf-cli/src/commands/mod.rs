@@ -6,8 +6,10 @@ mod convert;
 mod eval;
 mod factor;
 mod info;
+mod plot;
 mod render;
 mod sample;
+mod study;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -34,6 +36,8 @@ enum Command {
     Info(info::Info),
     Compare(compare::Compare),
     Render(render::Render),
+    Plot(plot::PlotArgs),
+    Study(study::Study),
     Eval(eval::Eval),
     Sample(sample::Sample),
     Convert(convert::Convert),
@@ -47,6 +51,8 @@ impl Cli {
             Command::Info(command) => command.run(out),
             Command::Compare(command) => command.run(out),
             Command::Render(command) => command.run(out),
+            Command::Plot(command) => command.run(out),
+            Command::Study(command) => command.run(out),
             Command::Eval(command) => command.run(out),
             Command::Sample(command) => command.run(out),
             Command::Convert(command) => command.run(out),

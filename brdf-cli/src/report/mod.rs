@@ -4,6 +4,7 @@ mod chart;
 pub(crate) mod html;
 pub(crate) mod notes;
 pub(crate) mod separable;
+pub(crate) mod study;
 
 use brdf_factor::{Coordinate, EvalCounts, FactoredBrdf, Solver};
 use brdf_io::{FitSettings, TermRecord};

@@ -71,7 +71,7 @@ struct Scene {
 }
 
 /// Light samples a pixel: both pictures have the same noise, which mostly cancels.
-const VIEW: SphereView = SphereView { size: 256, samples: 48 };
+const VIEW: SphereView = SphereView { size: 256, samples: 30 };
 /// Evaluations are timed this often; the shortest counts.
 const TIMINGS: u32 = 3;
 
