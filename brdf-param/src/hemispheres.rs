@@ -15,8 +15,7 @@ impl Parametrization {
         match self {
             Self::Standard => ["wi", "wo"],
             Self::HalfDifference | Self::KautzMcCool => ["h", "d"],
-            Self::Orthographic => ["h̄", "k̄"],
-            Self::Hybrid => ["h̄", "k"],
+            Self::Orthographic | Self::Hybrid => ["h", "k"],
             Self::OnionSlice => ["wo", "wi"],
         }
     }
@@ -27,9 +26,8 @@ impl Parametrization {
         match self {
             Self::Standard => ["theta_i", "theta_o", "phi_o - phi_i"],
             Self::HalfDifference => ["theta_h", "theta_d", "phi_d"],
-            Self::KautzMcCool => ["|h|", "|d|", "phi_d"],
-            Self::Orthographic => ["‖h̄‖", "‖k̄‖", "phi_k - phi_h"],
-            Self::Hybrid => ["‖h̄‖", "‖k‖", "phi_k - phi_h"],
+            Self::KautzMcCool => ["h_radius", "d_radius", "phi_d"],
+            Self::Orthographic | Self::Hybrid => ["h_length", "k_length", "phi_k - phi_h"],
             Self::OnionSlice => ["theta_v", "theta_i", "phi_i - phi_v"],
         }
     }

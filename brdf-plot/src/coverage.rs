@@ -9,7 +9,7 @@ use crate::heat::{Field, Heat, HeatScale, plot_heat};
 use crate::plot::{Plot, PlotError};
 
 /// Bins along each side.
-const BINS: usize = 45;
+const BINS: usize = 30;
 /// Pairs drawn over both whole hemispheres to see where a table has data.
 const PAIRS: u32 = 200_000;
 

@@ -91,7 +91,11 @@ impl Curves {
             let margin = 0.04 * (high - low).max(1e-3 * high.abs().max(1e-3));
             (low - margin)..(high + margin)
         };
-        let (across, along) = (range(|p| p.0), range(|p| p.1));
+        let (across, mut along) = (range(|p| p.0), range(|p| p.1));
+        if self.series.len() > 1 {
+            // Room for the legend.
+            along.end += 0.11 * legend_rows(self.series.len()) * (along.end - along.start);
+        }
         let mut chart = ChartBuilder::on(area)
             .margin(10)
             .caption(&self.title, ("sans-serif", 15).into_font().color(&INK))
@@ -142,6 +146,11 @@ impl Curves {
         }
         Ok(())
     }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a handful")]
+fn legend_rows(series: usize) -> f64 {
+    series as f64
 }
 
 /// A shape of its own for each series, since colours alone are lost in greyscale.

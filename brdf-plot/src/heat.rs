@@ -97,10 +97,12 @@ impl HeatScale {
 
 /// Units of a panel's image, and of the room around it.
 const SIDE: i32 = 180;
-const LEFT: i32 = 58;
+const LEFT: i32 = 64;
 const TOP: i32 = 28;
-const BOTTOM: i32 = 40;
+const BOTTOM: i32 = 46;
 const RIGHT: i32 = 12;
+/// Between axis labels and the next panel.
+const EDGE: i32 = 6;
 const BAR: i32 = 90;
 
 /// Panels with a common colour scale, `columns` side by side.
@@ -149,9 +151,11 @@ impl Heat {
         );
         let mut chart = ChartBuilder::on(&area)
             .margin_top(TOP)
+            .margin_left(EDGE)
             .margin_right(RIGHT)
-            .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT)
+            .margin_bottom(EDGE)
+            .x_label_area_size(BOTTOM - EDGE)
+            .y_label_area_size(LEFT - EDGE)
             .build_cartesian_2d(0.0..self.extent[0], 0.0..self.extent[1])
             .map_err(|e| drawing(&e))?;
         area.draw(&Text::new(
@@ -222,6 +226,12 @@ impl Contours {
     )]
     fn is_known(&self, x: f64, y: f64) -> bool {
         let (columns, rows) = (self.field.columns, self.field.rows());
+        // The library closes its lines along the rim of the grid.
+        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
+        let on_rim = |at: f64, count: usize| at < 0.51 || at > count as f64 - 0.51;
+        if on_rim(x, columns) || on_rim(y, rows) {
+            return false;
+        }
         let around = |at: f64, count: usize| {
             let low = (at - 0.501).floor().max(0.0) as usize;
             let high = (at - 0.499).ceil().max(0.0) as usize;

@@ -11,10 +11,10 @@ use crate::colours::{INK, heat};
 use crate::curves::short;
 use crate::plot::{Plot, PlotError, Sheet, drawing, on_sheet};
 
-const PANEL: i32 = 320;
+const PANEL: i32 = 560;
 /// Patches of the surface along the polar angle and around.
-const POLAR: u32 = 48;
-const AROUND: u32 = 96;
+const POLAR: u32 = 45;
+const AROUND: u32 = 90;
 /// Where the viewer of the plot stands: degrees around the normal and above the surface.
 const VIEW_DEG: (f64, f64) = (60.0, 25.0);
 
@@ -38,10 +38,10 @@ pub fn plot_lobes(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result
             let left = PANEL * i32::try_from(index).unwrap_or(0);
             draw(sheet, left, patches, largest, incidence.to_radians())?;
             let title = format!(
-                "{name}, theta_i = {incidence}°, radius ∛f, rim {} 1/sr",
+                "{name}, theta_i = {incidence}°, radius: cube root, rim {} 1/sr",
                 short(largest.powi(3))
             );
-            let style = ("sans-serif", 12).into_font().color(&INK);
+            let style = ("sans-serif", 18).into_font().color(&INK);
             sheet.draw(&Text::new(title, (left + 10, 8), style)).map_err(|e| drawing(&e))?;
         }
         Ok(())
@@ -51,6 +51,15 @@ pub fn plot_lobes(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result
 struct Patch {
     corners: [DVec3; 4],
     radius: f64,
+}
+
+impl Patch {
+    /// Brighter where the surface faces the viewer.
+    fn shade(&self, towards: DVec3) -> f64 {
+        let [a, b, c, d] = self.corners;
+        let normal = (c - a).cross(d - b).normalize_or_zero();
+        0.55 + 0.45 * normal.dot(towards).abs()
+    }
 }
 
 fn surface(brdf: &dyn Brdf, theta_i: f64) -> Vec<Patch> {
@@ -105,9 +114,15 @@ fn draw(
     for patch in &patches {
         let corners: Vec<(i32, i32)> =
             patch.corners.iter().map(|&corner| project(corner / largest)).collect();
+        let shade = patch.shade(towards);
         let [r, g, b, _] = heat(patch.radius / largest);
-        let polygon = Polygon::new(corners, RGBColor(r, g, b).filled());
-        sheet.draw(&polygon).map_err(|e| drawing(&e))?;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a byte")]
+        let [r, g, b] = [r, g, b].map(|v| (f64::from(v) * shade) as u8);
+        let colour = RGBColor(r, g, b);
+        // The outline closes the seams that smoothed edges leave.
+        let outline: Vec<(i32, i32)> = corners.iter().chain(&corners[..1]).copied().collect();
+        sheet.draw(&Polygon::new(corners, colour.filled())).map_err(|e| drawing(&e))?;
+        sheet.draw(&PathElement::new(outline, colour.stroke_width(1))).map_err(|e| drawing(&e))?;
     }
     let light = spherical_direction(theta_i, PI);
     let ray = vec![project(light), project(0.75 * light)];

@@ -10,7 +10,9 @@ use crate::colours::{FAINT, INK, series};
 use crate::curves::short;
 use crate::plot::{Plot, PlotError, drawing, on_sheet};
 
-const SIZE: (u32, u32) = (560, 360);
+const SIZE: (u32, u32) = (1120, 600);
+/// Half the range of x, so that a unit is as long as one of y.
+const HALF_WIDTH: f64 = 1.27;
 /// Steps from one horizon to the other.
 const STEPS: u32 = 360;
 
@@ -34,15 +36,17 @@ pub fn plot_polar(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result
             .margin(16)
             .caption(
                 format!("{name}: luminance (1/sr), cube-root radius"),
-                ("sans-serif", 15).into_font().color(&INK),
+                ("sans-serif", 24).into_font().color(&INK),
             )
-            .build_cartesian_2d(-1.5..1.5, -0.12..1.1)
+            .build_cartesian_2d(-HALF_WIDTH..HALF_WIDTH, -0.1..1.12)
             .map_err(|e| drawing(&e))?;
-        let text = ("sans-serif", 11).into_font().color(&INK);
+        let text = ("sans-serif", 18).into_font().color(&INK);
         for ring in 1..=3 {
             let radius = f64::from(ring) / 3.0;
             let arc = (0..=90).map(|step| at(FRAC_PI_2 * (f64::from(step) / 45.0 - 1.0), radius));
-            chart.draw_series(LineSeries::new(arc, FAINT)).map_err(|e| drawing(&e))?;
+            chart
+                .draw_series(LineSeries::new(arc, FAINT.stroke_width(2)))
+                .map_err(|e| drawing(&e))?;
             let label = short((radius * largest).powi(3));
             let place = (radius - 0.02, -0.03);
             chart.draw_series([Text::new(label, place, text.clone())]).map_err(|e| drawing(&e))?;
@@ -50,12 +54,14 @@ pub fn plot_polar(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result
         for degrees in (-90..=90).step_by(30) {
             let theta = f64::from(degrees).to_radians();
             let ray = [(0.0, 0.0), at(theta, 1.0)];
-            chart.draw_series(LineSeries::new(ray, FAINT)).map_err(|e| drawing(&e))?;
+            chart
+                .draw_series(LineSeries::new(ray, FAINT.stroke_width(2)))
+                .map_err(|e| drawing(&e))?;
             let label = Text::new(format!("{degrees}°"), at(theta, 1.06), text.clone());
             chart.draw_series([label]).map_err(|e| drawing(&e))?;
         }
         for (index, (lobe, incidence)) in lobes.iter().zip(incidences_deg).enumerate() {
-            let style = series(index).stroke_width(2);
+            let style = series(index).stroke_width(3);
             let pieces = lobe.split(Option::is_none).filter(|piece| !piece.is_empty());
             let mut labelled = false;
             for piece in pieces {
@@ -66,7 +72,7 @@ pub fn plot_polar(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result
                     labelled = true;
                     drawn
                         .label(format!("theta_i = {incidence}°"))
-                        .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], style));
+                        .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], style));
                 }
             }
             // Where the light comes from.
@@ -77,7 +83,7 @@ pub fn plot_polar(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result
             .configure_series_labels()
             .position(SeriesLabelPosition::UpperLeft)
             .background_style(WHITE.mix(0.85))
-            .label_font(("sans-serif", 12).into_font().color(&INK))
+            .label_font(("sans-serif", 20).into_font().color(&INK))
             .draw()
             .map_err(|e| drawing(&e))
     })

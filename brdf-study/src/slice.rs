@@ -44,9 +44,10 @@ impl Slice {
         match parametrization {
             Parametrization::Standard => (["theta_i (°)", "theta_o (°)"], 90.0),
             Parametrization::HalfDifference => (["theta_h (°)", "theta_d (°)"], 90.0),
-            Parametrization::KautzMcCool => (["|h| parabolic", "|d| parabolic"], 1.0),
-            Parametrization::Orthographic => (["‖h̄‖", "‖k̄‖"], 1.0),
-            Parametrization::Hybrid => (["‖h̄‖", "‖k‖"], 1.0),
+            Parametrization::KautzMcCool => (["h_radius", "d_radius"], 1.0),
+            Parametrization::Orthographic | Parametrization::Hybrid => {
+                (["h_length", "k_length"], 1.0)
+            }
             Parametrization::OnionSlice => (["theta_o (°)", "theta_i (°)"], 90.0),
         }
     }

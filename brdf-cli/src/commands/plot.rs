@@ -260,35 +260,36 @@ fn light_view(resolution: usize) -> Layout {
 const RESOLUTIONS: [usize; 4] = [16, 32, 48, 64];
 const RANKS: usize = 16;
 
-/// Cosine-weighted RMS of the eigenpairs of each material against their number.
+/// Cosine-weighted RMS of the eigenpairs of each material against their number: over whole
+/// hemispheres, where a few grazing pairs may rule, and within 80°.
 fn rank_errors(subjects: &[&Subject]) -> anyhow::Result<Plot> {
     let progress = Progress::new((subjects.len() * RESOLUTIONS.len()) as u64);
-    let panels: anyhow::Result<Vec<Curves>> = subjects
-        .iter()
-        .map(|subject| {
-            let series: anyhow::Result<Vec<Series>> = RESOLUTIONS
-                .iter()
-                .map(|&resolution| {
-                    progress.step(format!("{}, {resolution}²", subject.short_name()));
-                    let points = rank_error(subject.brdf(), resolution)?;
-                    progress.done(1);
-                    Ok(Series::new(format!("{resolution}²"), points))
-                })
-                .collect();
-            Ok(Curves {
-                title: subject.short_name(),
+    let mut panels = Vec::new();
+    for subject in subjects {
+        let mut series = [Vec::new(), Vec::new()];
+        for resolution in RESOLUTIONS {
+            progress.step(format!("{}, {resolution}²", subject.short_name()));
+            let errors = rank_error(subject.brdf(), resolution)?;
+            for (series, points) in series.iter_mut().zip(errors) {
+                series.push(Series::new(format!("{resolution}²"), points));
+            }
+            progress.done(1);
+        }
+        panels.extend(series.into_iter().zip(["all pairs", "within 80°"]).map(
+            |(series, which)| Curves {
+                title: format!("{}, {which}", subject.short_name()),
                 x: "terms".to_owned(),
                 y: "cosine-weighted RMS (1/sr)".to_owned(),
                 y_scale: Scale::Linear,
-                series: series?,
-            })
-        })
-        .collect();
-    Ok(plot_curves(&panels?, 2)?)
+                series,
+            },
+        ));
+    }
+    Ok(plot_curves(&panels, 2)?)
 }
 
-/// The error of 1, 2, … terms.
-fn rank_error(brdf: &dyn Brdf, resolution: usize) -> anyhow::Result<Vec<(f64, f64)>> {
+/// The errors of 1, 2, … terms: over all pairs, and over those within 80° of the normal.
+fn rank_error(brdf: &dyn Brdf, resolution: usize) -> anyhow::Result<[Vec<(f64, f64)>; 2]> {
     let params = MatrixParams { channels: Channels::Rgb, ..MatrixParams::default() };
     let matrix = BrdfMatrix::sample(brdf, &light_view(resolution), &params)?.symmetrized()?;
     let fit = factorize(
@@ -301,18 +302,25 @@ fn rank_error(brdf: &dyn Brdf, resolution: usize) -> anyhow::Result<Vec<(f64, f6
         },
     )?;
     let model = &fit.model;
-    let mut squares = vec![0.0; model.rank()];
-    let mut count = 0.0_f64;
+    let limit = 80_f64.to_radians().cos();
+    let mut squares = [vec![0.0; model.rank()], vec![0.0; model.rank()]];
+    let mut counts = [0.0_f64; 2];
     for pair in cosine_rms_pairs(1) {
         let exact = brdf.eval(&pair);
+        let is_near = pair.wi.z.min(pair.wo.z) >= limit;
+        let sets = if is_near { 2 } else { 1 };
         model.partial_sums(&pair, |rank, value| {
             let miss = exact - value.map(|v| v.max(0.0));
-            squares[rank - 1] +=
-                pair.wi.z * miss.channels().iter().map(|v| v * v).sum::<f64>() / 3.0;
+            let square = miss.channels().iter().map(|v| v * v).sum::<f64>() / 3.0;
+            squares[..sets].iter_mut().for_each(|sums| sums[rank - 1] += pair.wi.z * square);
         });
-        count += 1.0;
+        counts[..sets].iter_mut().for_each(|count| *count += 1.0);
     }
-    #[expect(clippy::cast_precision_loss, reason = "a handful of terms")]
-    let point = |(index, sum): (usize, f64)| ((index + 1) as f64, (sum / count).sqrt());
-    Ok(squares.into_iter().enumerate().map(point).take(RANKS).collect())
+    let [all, near] = counts;
+    let points = |sums: &[f64], count: f64| {
+        #[expect(clippy::cast_precision_loss, reason = "a handful of terms")]
+        let point = |(index, sum): (usize, &f64)| ((index + 1) as f64, (sum / count).sqrt());
+        sums.iter().enumerate().map(point).take(RANKS).collect()
+    };
+    Ok([points(&squares[0], all), points(&squares[1], near)])
 }

@@ -18,7 +18,7 @@ const STYLE: &str = "
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 62rem; padding: 0 1rem;
        color: #18181b; background: #fafafa; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
-img { max-width: 100%; } .factors { display: flex; flex-wrap: wrap; gap: 1rem; }
+img, svg { max-width: 100%; height: auto; } .factors { display: flex; flex-wrap: wrap; gap: 1rem; }
 figure { margin: 0; } figcaption { font-size: .85rem; color: #52525b; max-width: 20rem; }
 .factors img { image-rendering: pixelated; width: 256px; } .factors .sphere img { width: 128px; }
 .matrix { font-size: .75rem; margin: .4rem 0; }
@@ -123,8 +123,8 @@ fn search(report: &Report, pictures: &Pictures) -> Markup {
     let Some(search) = &report.search else { return html! {} };
     html! {
         h2 { "Error against number of textures" }
-        @if let Some(svg) = error_chart(&report.terms, &report.baseline.mccool) {
-            (PreEscaped(svg))
+        @if let Some(chart) = error_chart(&report.terms, &report.baseline.mccool) {
+            (PreEscaped(chart.svg()))
         }
         (picture(&pictures.by_terms, "the models by number of textures"))
         p {
