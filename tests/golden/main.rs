@@ -6,7 +6,6 @@
     reason = "a test that cannot go on has failed"
 )]
 
-mod eigenvalues;
 mod image_metrics;
 mod merl_layout;
 mod microfacet;

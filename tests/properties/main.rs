@@ -13,3 +13,4 @@ mod parametrizations;
 mod projections;
 mod readers;
 mod search;
+mod separable;
