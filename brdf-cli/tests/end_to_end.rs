@@ -152,6 +152,162 @@ fn compare_json_has_the_documented_keys() {
         assert!(results[0]["log"][key].as_f64().unwrap() > 0.0, "{key}");
         assert!(results[1]["linear"][key].as_f64().unwrap().abs() < 1e-12, "identical: {key}");
     }
+    // All measures: zero, or the best there is, for the reference itself.
+    let all = [&arguments[..], &["--metrics", "all"]].concat();
+    let report = json(&succeed(root.path(), &all));
+    let (model, same) = (&report["results"][0], &report["results"][1]);
+    let keys = [
+        "log_cosine_rms",
+        "cube_root_rms",
+        "log_relative_rms",
+        "cosine_rms",
+        "cosine_rms_relative",
+        "cosine_rms_both",
+        "cosine_rms_within_80",
+    ];
+    for key in keys {
+        assert!(model[key].as_f64().unwrap() > 0.0, "{key}");
+        assert!(same[key].as_f64().unwrap().abs() < 1e-12, "{key} of the reference");
+    }
+    assert!(model["ms_per_million"].as_f64().unwrap() > 0.0);
+    let lights: Vec<&str> = model["pictures"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| p["light"].as_str().unwrap())
+        .collect();
+    assert_eq!(lights, ["sky", "studio", "point"]);
+    for picture in model["pictures"].as_array().unwrap() {
+        assert!(picture["psnr_db"].as_f64().unwrap() > 10.0);
+        assert!((0.2..1.0).contains(&picture["ssim"].as_f64().unwrap()));
+        assert!((0.0..0.8).contains(&picture["flip"].as_f64().unwrap()));
+        assert!(picture["delta_e_itp"].as_f64().unwrap() > 0.0);
+    }
+    for picture in same["pictures"].as_array().unwrap() {
+        assert!(picture["psnr_db"].is_null());
+        assert!((picture["ssim"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+        assert!(picture["flip"].as_f64().unwrap() < 1e-9);
+        assert!(picture["delta_e_itp"].as_f64().unwrap() < 1e-9);
+    }
+}
+
+#[test]
+fn folders_are_compared_by_name() {
+    let root = TempDir::new().unwrap();
+    fs::create_dir(root.path().join("measured")).unwrap();
+    for preset in ["plastic", "ggx", "ward"] {
+        let reference = format!("preset:{preset}");
+        succeed(root.path(), &["convert", &reference, &format!("measured/{preset}.binary")]);
+    }
+    fs::create_dir(root.path().join("fitted")).unwrap();
+    for preset in ["plastic", "ggx"] {
+        let (file, out) = (format!("measured/{preset}.binary"), format!("fitted/{preset}"));
+        succeed(root.path(), &[&["factor", &file, "-o", &out], &QUICK[..]].concat());
+    }
+    let report =
+        json(&succeed(root.path(), &["compare", "measured", "fitted", "-n", "2000", "--json"]));
+    assert_eq!(report["materials"].as_array().unwrap().len(), 2);
+    assert_eq!(report["unmatched"].as_array().unwrap().len(), 1, "ward has no model");
+    let distribution = &report["distributions"][0];
+    let log = distribution["measures"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|m| m["measure"] == "log.mean_square")
+        .unwrap();
+    let worst: Vec<f64> =
+        log["worst"].as_array().unwrap().iter().map(|w| w[1].as_f64().unwrap()).collect();
+    assert!(worst[0] >= worst[1]);
+    assert!((log["median"].as_f64().unwrap() - 0.5 * (worst[0] + worst[1])).abs() < 1e-12);
+    fail(root.path(), &["compare", "measured", "preset:ggx"], 1);
+}
+
+#[test]
+fn sums_of_products_are_models_like_any_other() {
+    let root = TempDir::new().unwrap();
+    let runs: [&[&str]; 7] = [
+        &["--method", "svd", "--rank", "3", "--joint-rgb"],
+        &["--method", "log-svd", "--rank", "3", "--space", "half-difference", "--isotropic"],
+        &["--method", "log-svd", "--log-map", "cosine", "--space", "hybrid", "--map", "polar"],
+        &["--method", "eigen", "--rank", "3", "--map", "parabolic"],
+        &["--method", "eigen", "--rank", "3", "--eigen-solver", "power"],
+        &["--method", "nmf", "--rank", "2", "--weight-power", "0.5"],
+        &["--method", "normalized", "--luminance"],
+    ];
+    for run in runs {
+        let arguments =
+            [&["factor", "preset:red-plastic", "--resolution", "16", "--json"], run].concat();
+        let report = json(&succeed(root.path(), &arguments));
+        for key in
+            ["input", "model", "method", "space", "map", "matrix", "terms", "spectra", "bytes"]
+        {
+            assert!(!report[key].is_null(), "{key} of {run:?}");
+        }
+        let term = report["terms"].as_array().unwrap().last().unwrap().clone();
+        for key in ["rank", "relative_residual", "log_cosine_rms", "held_out"] {
+            assert!(!term[key].is_null(), "{key} of {run:?}");
+        }
+        assert!(term["relative_residual"].as_f64().unwrap() < 1.0, "{run:?}: {term}");
+        for name in ["spectrum.svg", "first-0.png", "first-0.exr", "spheres.png", "report.html"] {
+            assert!(root.path().join("brdf-out").join(name).is_file(), "{name} of {run:?}");
+        }
+        let model = "brdf-out/model.safetensors";
+        assert!(succeed(root.path(), &["info", model]).contains("terms"));
+        succeed(root.path(), &["compare", "preset:red-plastic", model, "-n", "500"]);
+        succeed(root.path(), &["convert", model, "again.safetensors"]);
+        assert_eq!(
+            fs::read(root.path().join(model)).unwrap(),
+            fs::read(root.path().join("again.safetensors")).unwrap()
+        );
+    }
+}
+
+#[test]
+fn every_kind_of_plot_is_drawn_as_svg_and_png() {
+    let root = TempDir::new().unwrap();
+    succeed(root.path(), &[&["factor", "preset:plastic"], &QUICK[..]].concat());
+    let quick = ["factor", "preset:plastic", "-o", "sum", "--method", "svd", "--resolution", "12"];
+    succeed(root.path(), &quick);
+    let plots: [&[&str]; 10] = [
+        &["preset:ggx", "--kind", "slice", "--azimuth-deg", "0,90"],
+        &["preset:ggx", "--kind", "slice", "--space", "hybrid", "--azimuth-deg", "90"],
+        &["preset:ggx", "--kind", "polar"],
+        &["preset:ggx", "--kind", "lobe", "--incidence-deg", "45"],
+        &["brdf-out/model.safetensors", "--kind", "factors"],
+        &["sum/model.safetensors", "--kind", "factors"],
+        &["sum/model.safetensors", "--kind", "spectrum"],
+        &["preset:plastic", "--kind", "coverage"],
+        &["function:all", "--kind", "parametrizations"],
+        &["function:grazing", "--kind", "parametrizations"],
+    ];
+    for plot in plots {
+        for (file, start) in [("out.svg", &b"<svg"[..]), ("out.png", b"\x89PNG")] {
+            succeed(root.path(), &[&["plot", "-o", file], plot].concat());
+            let bytes = fs::read(root.path().join(file)).unwrap();
+            assert!(bytes.starts_with(start) && bytes.len() > 2_000, "{plot:?}: {}", bytes.len());
+        }
+    }
+    fail(root.path(), &["plot", "preset:ggx", "--kind", "factors", "-o", "out.svg"], 1);
+    fail(root.path(), &["plot", "preset:ggx", "--kind", "slice", "-o", "out.pdf"], 1);
+    fail(root.path(), &["plot", "preset:ggx", "preset:ward", "--kind", "polar", "-o", "o.svg"], 2);
+}
+
+#[test]
+fn a_study_names_a_winner_for_every_figure() {
+    let root = TempDir::new().unwrap();
+    let arguments = ["study", "preset:plastic", "preset:ggx", "-o", "study", "--json"];
+    let report = json(&succeed(root.path(), &arguments));
+    assert_eq!(report["materials"].as_array().unwrap().len(), 2);
+    for wins in report["wins"].as_array().unwrap() {
+        let total: u64 =
+            wins["counts"].as_array().unwrap().iter().map(|c| c[1].as_u64().unwrap()).sum();
+        assert_eq!(total, 2, "{wins}");
+    }
+    for name in ["report.html", "report.json", "study.csv", "slices-0.svg", "slices-1.svg"] {
+        assert!(root.path().join("study").join(name).is_file(), "{name}");
+    }
+    // Once more, over itself.
+    succeed(root.path(), &arguments);
 }
 
 #[test]
@@ -311,7 +467,7 @@ fn bad_input_gets_one_clear_line() {
     place("dark.csv", b"theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,value\n100,2,3,4,5\n");
     place("rows.json", br#"{"projections": [[[1,0,0,0],[2,0,0,0]]]}"#);
     fs::create_dir(root.path().join("folder")).unwrap();
-    let cases: [(&[&str], &[&str]); 11] = [
+    let cases: [(&[&str], &[&str]); 16] = [
         (&["factor", "nothing.brdf"], &["nothing.brdf", "opening"]),
         (&["factor", "cook-torrance"], &["preset:cook-torrance"]),
         (&["factor", "preset:gold"], &["preset:gold", "lafortune-blue-paint"]),
@@ -326,6 +482,17 @@ fn bad_input_gets_one_clear_line() {
         ),
         (&["factor", "-o", "missing/out"], &["missing/out"]),
         (&["render", "preset:ggx", "--env", "words.csv"], &["words.csv", "HDR"]),
+        (
+            &["factor", "--method", "svd", "--memory-limit", "10M"],
+            &["1804 × 1804 × 3", "MiB", "lower resolution"],
+        ),
+        (&["factor", "--method", "svd", "--resolution", "4", "--rank", "99"], &["99", "1 to 12"]),
+        (
+            &["factor", "--method", "eigen", "--space", "half-difference", "--resolution", "8"],
+            &["eigenpairs need", "standard"],
+        ),
+        (&["plot", "function:gloss", "--kind", "slice", "-o", "o.svg"], &["specular, fresnel"]),
+        (&["study", "nothing.npz"], &["nothing.npz", "opening"]),
     ];
     for (arguments, words) in cases {
         let message = fail(root.path(), arguments, 1);
@@ -339,7 +506,7 @@ fn bad_input_gets_one_clear_line() {
 #[test]
 fn wrong_usage_exits_with_2() {
     let root = TempDir::new().unwrap();
-    let cases: [&[&str]; 15] = [
+    let cases: [&[&str]; 21] = [
         &["factor", "--terms", "9"],
         &["factor", "--method", "mccool", "--terms", "3"],
         &["factor", "--method", "radial", "--reciprocal", "auto"],
@@ -355,6 +522,12 @@ fn wrong_usage_exits_with_2() {
         &["factor", "--method", "projections"],
         &["factor", "--max-theta-deg", "91"],
         &["compare", "preset:ggx"],
+        &["factor", "--rank", "4"],
+        &["factor", "--method", "svd", "--texture-size", "16"],
+        &["factor", "--method", "svd", "--log-map", "log"],
+        &["factor", "--method", "nmf", "--eigen-solver", "power"],
+        &["factor", "--method", "mccool", "--space", "hybrid"],
+        &["factor", "--method", "svd", "--map", "merl", "--resolution", "20"],
     ];
     for arguments in cases {
         fail(root.path(), arguments, 2);

@@ -8,6 +8,7 @@
 
 mod errata;
 mod factors;
+mod metrics;
 mod models;
 mod parametrizations;
 mod projections;

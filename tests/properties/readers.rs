@@ -1,15 +1,23 @@
 //! Readers: any bytes give a value or an error, never a panic; what is written can be read.
 
 use std::fs;
+use std::io::Write as _;
 
 use brdf_factor::{FactorParams, FactorSpec, factorize};
 use brdf_io::{
-    FitRecord, FitSettings, Format, Measured, ModelFile, ReadOptions, TermRecord, detect,
-    direction_rows, merl_to_bytes, model_to_bytes, parse_measurement, read_projections,
-    samples_to_bytes, samples_to_csv, table_to_bytes,
+    FitRecord, FitSettings, Format, Measured, ModelFile, RankRecord, ReadOptions, SeparableFile,
+    SeparableRecord, SeparableSettings, TermRecord, detect, direction_rows, merl_to_bytes,
+    model_to_bytes, nbrdf_names, parse_measurement, read_projections, samples_to_bytes,
+    samples_to_csv, separable_to_bytes, table_to_bytes,
 };
 use brdf_model::{
-    Brdf, Channels, MerlTable, PairSampling, Preset, RglBrdf, SampleSet, log_offsets, measure,
+    Brdf, Channels, MerlTable, Nbrdf, PairSampling, Preset, RglBrdf, SampleSet, log_offsets,
+    measure,
+};
+use brdf_param::{HemisphereMap, Parametrization};
+use brdf_separable::{
+    BrdfMatrix, Chart, Decomposition, EigenSolver, Fill, Layout, MatrixParams, SeparableParams,
+    factorize as decompose,
 };
 use brdf_tests::data_file;
 use proptest::prelude::*;
@@ -51,6 +59,80 @@ fn model_file() -> ModelFile {
             dropped: fit.dropped,
         },
         model: fit.model,
+    }
+}
+
+/// Sums of products: textures on both sides, scalar ones on the first, and shared ones with signs.
+fn separable_files() -> Vec<SeparableFile> {
+    let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution: 4 };
+    let layout = Layout::new(Parametrization::Standard, chart, chart);
+    let brdf = Preset::find("red-plastic").unwrap().brdf();
+    let matrix = BrdfMatrix::sample(&brdf, &layout, &MatrixParams::default()).unwrap();
+    let eigen = Decomposition::Eigen(EigenSolver::Krylov);
+    [(Decomposition::Svd, false), (Decomposition::Svd, true), (eigen, false)]
+        .into_iter()
+        .map(|(decomposition, joint_rgb)| {
+            let params = SeparableParams { decomposition, joint_rgb, rank: 2, tolerance: 1e-5 };
+            let fit = decompose(&matrix, &params).unwrap();
+            SeparableFile {
+                model: fit.model,
+                fit: SeparableRecord {
+                    method: "svd".to_owned(),
+                    input: "preset".to_owned(),
+                    settings: SeparableSettings {
+                        decomposition,
+                        rank: 2,
+                        joint_rgb,
+                        theta_max: 1.5,
+                        fill: Fill::Edge,
+                        weight_power: 0.0,
+                        held_out_theta_max: THETA_MAX,
+                        seed: 1,
+                    },
+                    cells: matrix.counts(),
+                    asymmetry: matrix.asymmetry(),
+                    spectra: fit.spectra,
+                    terms: fit
+                        .errors
+                        .into_iter()
+                        .map(|matrix| RankRecord { matrix, held_out: None })
+                        .collect(),
+                },
+            }
+        })
+        .collect()
+}
+
+/// An archive of two neural BRDFs, or of one, as NumPy writes them.
+fn archive(names: &[&str]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for name in names {
+        zip.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
+        let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (675,), }";
+        let padded = format!("{header:<117}\n");
+        zip.write_all(b"\x93NUMPY\x01\x00").unwrap();
+        zip.write_all(&u16::try_from(padded.len()).unwrap().to_le_bytes()).unwrap();
+        zip.write_all(padded.as_bytes()).unwrap();
+        for index in 0..u16::try_from(Nbrdf::WEIGHTS).unwrap() {
+            zip.write_all(&(f32::from(index % 13) * 0.01).to_le_bytes()).unwrap();
+        }
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+#[test]
+fn materials_of_an_archive_are_taken_by_name() {
+    let bytes = archive(&["felt", "brass"]);
+    assert_eq!(nbrdf_names(&bytes).unwrap(), ["brass", "felt"]);
+    let read = |material: Option<&str>| {
+        let options =
+            ReadOptions { material: material.map(str::to_owned), ..ReadOptions::default() };
+        parse_measurement(&bytes, &options)
+    };
+    assert!(matches!(read(Some("felt")).unwrap().measured, Measured::Nbrdf(_)));
+    for (material, word) in [(None, "several"), (Some("gold"), "\"gold\"")] {
+        let message = read(material).unwrap_err().to_string();
+        assert!(message.contains(word) && message.contains("brass, felt"), "{message}");
     }
 }
 
@@ -102,6 +184,8 @@ fn valid_files() -> Vec<(Format, Vec<u8>)> {
     vec![
         (Format::Native, model_to_bytes(&model_file()).unwrap()),
         (Format::Native, samples_to_bytes(&samples()).unwrap()),
+        (Format::Native, separable_to_bytes(&separable_files()[1]).unwrap()),
+        (Format::Nbrdf, archive(&["felt"])),
         (Format::Rgl, tensor_file(&[0.0])),
         (Format::Rgl, tensor_file(&[-3.2, -1.5, 0.0])),
         (Format::Table, samples_to_csv(&samples()).into_bytes()),
@@ -166,6 +250,14 @@ fn models_tables_and_samples_survive_storage_bit_by_bit() {
     let Measured::Model(again) = read.measured else { panic!("a model") };
     assert_eq!(*again, file);
     assert_eq!(model_to_bytes(&again).unwrap(), bytes);
+
+    for file in separable_files() {
+        let bytes = separable_to_bytes(&file).unwrap();
+        let read = parse_measurement(&bytes, &ReadOptions::default()).unwrap();
+        let Measured::Separable(again) = read.measured else { panic!("a sum of products") };
+        assert_eq!(*again, file);
+        assert_eq!(separable_to_bytes(&again).unwrap(), bytes);
+    }
 
     let samples = samples();
     let bytes = samples_to_bytes(&samples).unwrap();

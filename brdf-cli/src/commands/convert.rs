@@ -6,8 +6,8 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_io::{
-    Measured, merl_to_bytes, model_to_bytes, samples_to_bytes, samples_to_csv, table_to_bytes,
-    write_atomically,
+    Measured, merl_to_bytes, model_to_bytes, samples_to_bytes, samples_to_csv, separable_to_bytes,
+    table_to_bytes, write_atomically,
 };
 use brdf_model::{Channels, MerlTable, PairSampling, SampleSet};
 
@@ -18,7 +18,7 @@ use crate::subject::Subject;
 ///
 /// MERL's grid is isotropic and reciprocal: other materials are evaluated at its cell centres with
 /// the half vector in the plane of the tangent, and made reciprocal. A .csv holds the rows of
-/// scattered measurements, and drawn pairs of everything else. A .safetensors file holds a factored
+/// scattered measurements, and drawn pairs of everything else. A .safetensors file holds a fitted
 /// model, scattered rows, or a table on MERL's grid.
 ///
 /// Example: brdf convert aurora_white_rgb.bsdf aurora_white.binary
@@ -97,8 +97,11 @@ impl Convert {
             let said = format!("{} measured rows; dropped: {}", rows.len(), rows.dropped());
             return Ok((samples_to_bytes(rows)?, said));
         }
-        if let Some(Measured::Model(file)) = subject.measurement().map(|m| &m.measured) {
-            return Ok((model_to_bytes(file)?, "the model, unchanged".to_owned()));
+        let unchanged = || "the model, unchanged".to_owned();
+        match subject.measurement().map(|m| &m.measured) {
+            Some(Measured::Model(file)) => return Ok((model_to_bytes(file)?, unchanged())),
+            Some(Measured::Separable(file)) => return Ok((separable_to_bytes(file)?, unchanged())),
+            _ => {}
         }
         let (table, how) = merl_grid(subject)?;
         Ok((table_to_bytes(&table)?, how))

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use brdf_io::{IoError, MappedFile, direction_rows, direction_table_header};
+use brdf_param::DirectionPair;
 
 use crate::args::{ReadArgs, TableArgs};
 use crate::subject::Subject;
@@ -63,6 +64,15 @@ impl Eval {
                 "{}: scattered samples; values are interpolated between the nearest ones",
                 subject.argument
             )?;
+        }
+        if let Some(brdf_io::Measured::Separable(_)) = subject.measurement().map(|m| &m.measured) {
+            let is_negative = |pair: &DirectionPair| {
+                subject.brdf().eval_signed(pair).channels().iter().any(|v| *v < 0.0)
+            };
+            let count = rows.iter().filter(|(pair, _)| is_negative(pair)).count();
+            if count > 0 {
+                writeln!(std::io::stderr(), "{count} rows with a negative value, set to 0")?;
+            }
         }
         if let Some(brdf_io::Measured::Model(file)) = subject.measurement().map(|m| &m.measured) {
             let counts = file.model.count(rows.iter().map(|(pair, _)| *pair));

@@ -48,6 +48,8 @@ struct Facts {
     checks: Option<PhysicalChecks>,
     #[serde(skip_serializing_if = "Option::is_none")]
     model: Option<brdf_io::FitRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    separable: Option<brdf_io::SeparableRecord>,
     notes: Vec<String>,
 }
 
@@ -81,6 +83,10 @@ fn facts(file: &str, options: &ReadOptions) -> anyhow::Result<Facts> {
         Some(Measured::Model(file)) => Some(file.fit.clone()),
         _ => None,
     };
+    let separable = match measured {
+        Some(Measured::Separable(file)) => Some(file.fit.clone()),
+        _ => None,
+    };
     Ok(Facts {
         file: file.to_owned(),
         format: subject.kind(),
@@ -94,6 +100,7 @@ fn facts(file: &str, options: &ReadOptions) -> anyhow::Result<Facts> {
         dropped: scattered.map(brdf_model::SampleSet::dropped),
         checks: scattered.is_none().then(|| check(subject.brdf(), 80_f64.to_radians())),
         model,
+        separable,
         notes: subject.notes().to_vec(),
     })
 }
@@ -150,6 +157,19 @@ impl Facts {
                     "  {} textures: mean square log error {}, held out {}",
                     term.textures,
                     significant(term.training.log.mean_square),
+                    or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
+                )?;
+            }
+        }
+        if let Some(fit) = &self.separable {
+            let terms = fit.terms.last().map_or(0, |term| term.matrix.rank);
+            writeln!(out, "  {} of {}, {terms} terms", fit.method, fit.input)?;
+            for term in &fit.terms {
+                writeln!(
+                    out,
+                    "  {} terms: relative residual {}, mean square log error {} held out",
+                    term.matrix.rank,
+                    significant(term.matrix.relative_residual),
                     or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
                 )?;
             }
