@@ -24,6 +24,7 @@ pub enum Parametrization {
     /// [`HalfDifference`].
     HalfDifference,
     /// [`KautzMcCool`].
+    #[serde(rename = "kautz-mccool")]
     KautzMcCool,
     /// [`Orthographic`].
     Orthographic,

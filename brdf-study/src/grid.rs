@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use brdf_model::Brdf;
 use brdf_param::{DirectionPair, Parametrization};
+use brdf_separable::{KrylovParams, SeparableError, top_singular_triplets};
+use faer::Mat;
 
 use crate::slice::{pair_at, share_of};
 
@@ -60,6 +62,31 @@ impl Grid {
             }
         }
         Self { size, values }
+    }
+
+    /// The best sum of `rank` products of a function of the first coordinate and one of the other
+    /// two, cell by cell; the grid itself where it has no more to give.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`top_singular_triplets`].
+    pub(crate) fn truncated(&self, rank: usize) -> Result<Self, SeparableError> {
+        let size = self.size;
+        let matrix =
+            Mat::from_fn(size, size * size, |first, rest| self.values[rest * size + first]);
+        let params =
+            KrylovParams { rank: rank.min(size), pair_gap: 0.0, ..KrylovParams::default() };
+        let pairs = top_singular_triplets(matrix.as_ref(), &params)?;
+        let values = (0..self.values.len())
+            .map(|cell| {
+                let (first, rest) = (cell % size, cell / size);
+                let term = |(k, value): (usize, &f64)| {
+                    value * pairs.left[(first, k)] * pairs.right[(rest, k)]
+                };
+                pairs.values.iter().enumerate().map(term).sum()
+            })
+            .collect();
+        Ok(Self { size, values })
     }
 
     /// The value at unit coordinates.

@@ -1,10 +1,8 @@
 //! The figures of one material under every parametrization.
 
 use brdf_model::{Brdf, Channels, PairSampling, SampleSet};
-use brdf_param::{DirectionPair, HemisphereMap, Parametrization};
-use brdf_separable::{
-    BrdfMatrix, Chart, Layout, MatrixParams, SeparableError, SeparableParams, ValueMap, factorize,
-};
+use brdf_param::{DirectionPair, Parametrization};
+use brdf_separable::SeparableError;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -21,8 +19,6 @@ pub struct StudyParams {
     pub theta_max: f64,
     /// Nodes along each of three axes of the resampled table.
     pub table: usize,
-    /// Nodes of the first side of the matrix, and along each side of the second.
-    pub matrix: usize,
     /// Bins along each side of a reduction to two coordinates.
     pub bins: usize,
     /// Which scramble of the pairs.
@@ -31,14 +27,7 @@ pub struct StudyParams {
 
 impl Default for StudyParams {
     fn default() -> Self {
-        Self {
-            pairs: 20_000,
-            theta_max: 80_f64.to_radians(),
-            table: 24,
-            matrix: 32,
-            bins: 24,
-            seed: 1,
-        }
+        Self { pairs: 20_000, theta_max: 80_f64.to_radians(), table: 24, bins: 24, seed: 1 }
     }
 }
 
@@ -62,8 +51,8 @@ pub struct ParametrizationRow {
     pub parametrization: Parametrization,
     /// How isolines run.
     pub alignment: SliceAlignment,
-    /// 1 − Σ(y − ŷ)² / Σ(y − ȳ)² for sums of 1, 2, 4 and 8 products of a function of the first
-    /// radius and one of the other two coordinates.
+    /// 1 − Σ(y − ŷ)² / Σ(y − ȳ)² of the resampled table y and its best sums of 1, 2, 4 and 8 products
+    /// of a function of the first radius and one of the other two coordinates, over the pairs.
     pub energy: [f64; 4],
     /// The best reduction to two coordinates.
     pub bivariate: Bivariate,
@@ -95,7 +84,7 @@ pub fn study_material(
     let (means, judged): (Judged, Judged) =
         (Judged::new(pairs(params.seed)), Judged::new(pairs(params.seed.wrapping_add(1))));
     if judged.pairs.is_empty() || means.pairs.is_empty() {
-        return Err(SeparableError::NoData { rows: params.matrix, columns: params.matrix });
+        return Err(SeparableError::NoData { rows: params.table, columns: params.table.pow(2) });
     }
     STUDIED
         .par_iter()
@@ -133,11 +122,6 @@ impl Judged {
         let sum: f64 =
             self.targets.iter().enumerate().map(|(i, y)| (predicted(i) - y).powi(2)).sum();
         (sum / count(self.targets.len())).sqrt()
-    }
-
-    fn deviation(&self) -> f64 {
-        let mean = self.targets.iter().sum::<f64>() / count(self.targets.len());
-        self.rms(|_| mean)
     }
 }
 
@@ -183,54 +167,26 @@ fn row(
     Ok(ParametrizationRow {
         parametrization,
         alignment: alignment(brdf, parametrization),
-        energy: energies(brdf, parametrization, params, judged)?,
+        energy: energies(&table, &asked)?,
         bivariate,
         radii_only,
         resampled: judged.rms(|i| table.read(asked[i])),
     })
 }
 
-/// Energy that sums of products capture, on the common pairs.
-fn energies(
-    brdf: &dyn Brdf,
-    parametrization: Parametrization,
-    params: &StudyParams,
-    judged: &Judged,
-) -> Result<[f64; 4], SeparableError> {
-    let map = match parametrization {
-        Parametrization::KautzMcCool => HemisphereMap::Parabolic,
-        Parametrization::Orthographic | Parametrization::Hybrid => HemisphereMap::OrthographicDisc,
-        Parametrization::Standard
-        | Parametrization::HalfDifference
-        | Parametrization::OnionSlice => HemisphereMap::Spherical,
-    };
-    let layout = Layout::new(
-        parametrization,
-        Chart::Radius { map, resolution: params.matrix },
-        Chart::Plane { map, resolution: params.matrix },
-    );
-    let sampling = MatrixParams {
-        channels: Channels::Luminance,
-        theta_max: params.theta_max,
-        maps: [ValueMap::Cosine; 3],
-        ..MatrixParams::default()
-    };
-    let matrix = BrdfMatrix::sample(brdf, &layout, &sampling)?;
-    let most = RANKS[RANKS.len() - 1];
-    let fit = factorize(&matrix, &SeparableParams { rank: most, ..SeparableParams::default() })?;
-    let available = fit.model.rank();
-    let mut squares = [0.0; RANKS.len()];
-    for (pair, target) in judged.pairs.iter().zip(&judged.targets) {
-        fit.model.partial_sums(pair, |rank, value| {
-            let miss = (value.luminance().max(0.0) * pair.wi.z).ln_1p() - target;
-            for (sum, wanted) in squares.iter_mut().zip(RANKS) {
-                // A matrix of lower rank is captured whole by what there is.
-                if rank == wanted.min(available) {
-                    *sum += miss * miss;
-                }
-            }
-        });
+/// Share of a table's variance, on the common pairs, that sums of products keep.
+fn energies(table: &Grid, asked: &[[f64; 3]]) -> Result<[f64; 4], SeparableError> {
+    let whole: Vec<f64> = asked.iter().map(|&at| table.read(at)).collect();
+    let mean = whole.iter().sum::<f64>() / count(whole.len());
+    let spread: f64 = whole.iter().map(|v| (v - mean).powi(2)).sum();
+    let mut energy = [1.0; RANKS.len()];
+    for (energy, rank) in energy.iter_mut().zip(RANKS) {
+        let short = table.truncated(rank)?;
+        let missed: f64 =
+            asked.iter().zip(&whole).map(|(&at, v)| (short.read(at) - v).powi(2)).sum();
+        if spread > 0.0 {
+            *energy = 1.0 - missed / spread;
+        }
     }
-    let spread = judged.deviation().powi(2) * count(judged.targets.len());
-    Ok(squares.map(|sum| if spread > 0.0 { 1.0 - sum / spread } else { 1.0 }))
+    Ok(energy)
 }
