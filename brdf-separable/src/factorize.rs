@@ -246,7 +246,6 @@ fn assemble(
         signs.get(term).copied().unwrap_or(1.0)
     };
     let second = if shared {
-        #[expect(clippy::cast_possible_truncation, reason = "signs are ±1")]
         let signs = (0..rank).flat_map(|k| (0..channels).map(move |c| (k, c)));
         SecondSide::Signs(signs.map(|(k, c)| if sign(k, c) < 0.0 { -1.0 } else { 1.0 }).collect())
     } else {

@@ -140,7 +140,7 @@ pub(super) fn read(record: &str, tensors: &SafeTensors<'_>) -> Result<SeparableF
     let values = |name: &str, shape: &[usize]| -> Result<Vec<f32>, FormatError> {
         Ok(f32_values(tensor(tensors, name, Dtype::F32, shape)?))
     };
-    let second = if tensors.names().iter().any(|name| *name == "signs") {
+    let second = if tensors.names().contains(&"signs") {
         SecondSide::Signs(values("signs", &shapes.signs)?)
     } else {
         SecondSide::Textures(values("second", &shapes.second)?)
