@@ -110,7 +110,7 @@ impl Curves {
         chart
             .configure_mesh()
             .bold_line_style(FAINT)
-            .light_line_style(FAINT.mix(0.4))
+            .light_line_style(TRANSPARENT)
             .axis_style(INK)
             .label_style(("sans-serif", 12).into_font().color(&INK))
             .x_desc(&self.x)

@@ -231,7 +231,10 @@ fn krylov(
         images: Mat::zeros(size, 0),
         projection: Mat::zeros(0, 0),
     };
-    let mut block = orthonormal(&space.vectors, random_block(size, width));
+    let mut block = orthonormal(
+        &space.vectors,
+        random_block(size, width, &mut SplitMix64::seed_from_u64(SEED)),
+    );
     let mut products = 0;
     loop {
         products += block.ncols();
@@ -354,8 +357,8 @@ fn orthonormal(basis: &Mat<f64>, mut block: Mat<f64>) -> Mat<f64> {
     block
 }
 
-fn random_block(size: usize, width: usize) -> Mat<f64> {
-    let mut rng = SplitMix64::seed_from_u64(SEED);
+/// Numbers from −½ to ½, column by column.
+pub(crate) fn random_block(size: usize, width: usize, rng: &mut SplitMix64) -> Mat<f64> {
     let mut block = Mat::zeros(size, width);
     for column in 0..width {
         for value in block.col_mut(column).iter_mut() {

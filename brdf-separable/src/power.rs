@@ -5,9 +5,10 @@
 //! quotient settles on a number that is no eigenvalue; the wrong component is then subtracted.
 
 use faer::{Mat, MatRef};
-use rand_core::{Rng, SeedableRng};
+use rand_core::SeedableRng;
 use rand_xoshiro::SplitMix64;
 
+use crate::krylov::random_block;
 use crate::product::transposed_product;
 
 /// What one loop of the iteration ended with.
@@ -47,11 +48,7 @@ pub fn power_iteration(matrix: MatRef<'_, f64>, rank: usize, seed: u64) -> Vec<P
 }
 
 fn dominant(matrix: &Mat<f64>, rng: &mut SplitMix64) -> PowerPair {
-    let mut vector = Mat::from_fn(matrix.nrows(), 1, |_, _| {
-        #[expect(clippy::cast_precision_loss, reason = "53 bits fit a f64 exactly")]
-        let unit = (rng.next_u64() >> 11) as f64 / 9_007_199_254_740_992.0;
-        unit - 0.5
-    });
+    let mut vector = random_block(matrix.nrows(), 1, rng);
     let mut value = f64::INFINITY;
     let mut residual = f64::INFINITY;
     let mut iterations = 0;
