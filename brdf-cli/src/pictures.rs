@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use brdf_factor::{ChannelMap, Factor, FactoredBrdf};
 use brdf_io::{IoError, OutputFolder, SeparableFile, png_bytes, read_environment, write_exr};
 use brdf_model::{Brdf, Channels, Rgb};
-use brdf_param::DirectionPair;
-use brdf_plot::Plot;
+use brdf_param::{DirectionPair, Parametrization};
+use brdf_plot::{Plot, plot_slices};
 use brdf_render::{
     DirectionalLight, DisplayImage, Environment, Film, Light, Panel, Side, SphereView, ToneMap,
     difference, render_sphere, strip, term_view, texture_view,
@@ -134,6 +134,7 @@ pub(crate) struct Pictures {
     pub(crate) factor_spheres: Vec<Vec<u8>>,
     /// Spheres of the models of all numbers of textures.
     pub(crate) by_terms: Vec<u8>,
+    pub(crate) slices: Option<Plot>,
 }
 
 impl Pictures {
@@ -163,6 +164,7 @@ impl Pictures {
             factors,
             factor_spheres: factor_spheres?,
             by_terms: png(&by_terms)?,
+            slices: slices(subject, model)?,
         })
     }
 
@@ -185,6 +187,7 @@ pub(crate) struct SeparablePictures {
     /// EXRs of the same.
     exact: Vec<(Vec<u8>, Option<Vec<u8>>)>,
     pub(crate) spectrum: Plot,
+    pub(crate) slices: Option<Plot>,
 }
 
 impl SeparablePictures {
@@ -214,6 +217,7 @@ impl SeparablePictures {
             views: both(&|side, term| png(&term_view(model, side, term)))?,
             exact: both(&|side, term| term_exr(model, side, term))?,
             spectrum: spectrum_plot(&name, &file.fit.spectra)?,
+            slices: slices(subject, model)?,
         })
     }
 
@@ -253,6 +257,19 @@ fn term_exr(model: &SeparableBrdf, side: Side, term: usize) -> anyhow::Result<Ve
         .collect();
     let [columns, rows] = chart.size();
     Ok(write_exr(columns, rows, &planes)?)
+}
+
+/// Azimuths of the slices in reports, degrees.
+const SLICE_AZIMUTHS: [f64; 3] = [0.0, 90.0, 180.0];
+
+/// Slices of a reference above those of its approximation; none of scattered rows, which have
+/// nothing between them to show.
+fn slices(subject: &Subject, model: &dyn Brdf) -> anyhow::Result<Option<Plot>> {
+    if subject.samples().is_some() {
+        return Ok(None);
+    }
+    let both = [(subject.short_name(), subject.brdf()), ("approximation".to_owned(), model)];
+    Ok(Some(plot_slices(&both, Parametrization::HalfDifference, &SLICE_AZIMUTHS)?))
 }
 
 /// Each texture of a model as PNG, to look at, and as EXR: exact log values.

@@ -6,6 +6,7 @@ use brdf_factor::Coordinate;
 use brdf_io::TermRecord;
 use brdf_model::{ErrorMeasures, FitErrors};
 use brdf_param::Space;
+use brdf_plot::Plot;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Report;
@@ -38,6 +39,7 @@ pub(crate) fn page(report: &Report, outcome: &Outcome, pictures: &Pictures) -> S
                 (significant(report.seconds)) " s."
             }
             (spheres(&pictures.spheres, &pictures.comparison))
+            (slices(pictures.slices.as_ref()))
             (errors(report))
             (search(report, pictures))
             (textures(outcome, pictures))
@@ -85,6 +87,15 @@ pub(crate) fn spheres(strip: &[u8], comparison: &Comparison) -> Markup {
             (percent(comparison.clipped_share))
             " of the reference's pixels are clipped. Chequered violet: no data."
         }
+    }
+}
+
+pub(crate) fn slices(plot: Option<&Plot>) -> Markup {
+    let Some(plot) = plot else { return html! {} };
+    html! {
+        h2 { "Slices" }
+        (PreEscaped(plot.svg()))
+        p { "Luminance of reference and approximation, colours on a common logarithm. Grey: no data." }
     }
 }
 

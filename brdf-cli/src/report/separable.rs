@@ -7,7 +7,7 @@ use brdf_separable::{CellCounts, ChannelSpectrum, Decomposition, EigenSolver, Se
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
-use super::html::{command, document, picture, spheres};
+use super::html::{command, document, picture, slices, spheres};
 use crate::fitting::Albedo;
 use crate::numbers::{bytes, or_dash, percent, significant};
 use crate::pictures::SeparablePictures;
@@ -102,6 +102,7 @@ impl SeparableReport {
                     ", method " (self.method) ", made in " (significant(self.seconds)) " s."
                 }
                 (spheres(&pictures.spheres, &pictures.comparison))
+                (slices(pictures.slices.as_ref()))
                 (self.errors(pictures))
                 (self.textures(pictures))
                 (self.cells())
