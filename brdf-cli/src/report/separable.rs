@@ -38,6 +38,8 @@ pub(crate) struct SeparableReport {
     evaluation: Evaluation,
     settings: SeparableSettings,
     pub(crate) notes: Vec<String>,
+    #[serde(skip)]
+    name: String,
 }
 
 #[derive(Serialize)]
@@ -89,13 +91,14 @@ impl SeparableReport {
             },
             settings: fit.settings.clone(),
             notes,
+            name: fit.input.clone(),
         }
     }
 
     /// `report.html`.
     pub(crate) fn page(&self, pictures: &SeparablePictures) -> String {
         document(
-            &format!("{}, as a sum of products", self.input),
+            &format!("{}, as a sum of products", self.name),
             &html! {
                 p {
                     (self.terms.last().map_or(0, |t| t.matrix.rank)) " terms, " (bytes(self.bytes))
@@ -216,7 +219,7 @@ pub(crate) fn spectrum_plot(name: &str, spectra: &[ChannelSpectrum]) -> Result<P
     let curves = Curves {
         title: name.to_owned(),
         x: "term".to_owned(),
-        y: "magnitude (1/sr, weighted)".to_owned(),
+        y: "magnitude, weighted".to_owned(),
         y_scale: Scale::Log,
         series,
     };
