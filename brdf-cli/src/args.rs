@@ -66,7 +66,7 @@ impl From<MerlNodesArg> for MerlNodes {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct PairArgs {
     /// Largest angle between a direction and the normal, degrees, above 0 and at most 90
-    /// [default: 80; 90 for the matrices of `factor --method svd` and its kin]
+    /// [default: 80; where `factor` makes sums of products, 90]
     #[arg(long, value_name = "DEG", value_parser = theta_limit)]
     max_theta_deg: Option<f64>,
 
@@ -142,20 +142,23 @@ pub(crate) struct LightArgs {
     pub(crate) light_deg: Option<[f64; 2]>,
 }
 
-/// Bytes from a number with an optional unit: 500M, 4G.
+/// Bytes from a number with an optional unit: 500M, 1.5G.
 pub(crate) fn memory(text: &str) -> Result<usize, String> {
-    let expected = || "expected bytes, such as 500M or 4G".to_owned();
-    let (digits, shift) = match text
-        .trim_end_matches(['i', 'B'])
-        .split_at_checked(text.trim_end_matches(['i', 'B']).len().saturating_sub(1))
-    {
-        Some((digits, "K" | "k")) => (digits, 10),
-        Some((digits, "M")) => (digits, 20),
-        Some((digits, "G")) => (digits, 30),
-        _ => (text, 0),
+    let plain = text.trim_end_matches('B').trim_end_matches('i');
+    let (digits, unit) = match plain.char_indices().last() {
+        Some((at, 'K' | 'k')) => (&plain[..at], 10),
+        Some((at, 'M')) => (&plain[..at], 20),
+        Some((at, 'G')) => (&plain[..at], 30),
+        _ => (plain, 0),
     };
-    let count: usize = digits.parse().map_err(|_| expected())?;
-    count.checked_shl(shift).filter(|bytes| bytes >> shift == count).ok_or_else(expected)
+    match digits.parse::<f64>() {
+        Ok(count) if count >= 0.0 && count * f64::from(1_u32 << unit) < 1e15 => {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in range")]
+            let bytes = (count * f64::from(1_u32 << unit)) as usize;
+            Ok(bytes)
+        }
+        _ => Err("expected bytes below a petabyte, such as 500M or 4G".to_owned()),
+    }
 }
 
 fn two_angles(text: &str) -> Result<[f64; 2], String> {

@@ -71,8 +71,12 @@ impl Subject {
         if let (_, Some(material)) = archive_member(&self.argument) {
             return material;
         }
-        let name = Path::new(&self.argument).file_name();
-        name.map_or_else(|| self.argument.clone(), |name| name.to_string_lossy().into_owned())
+        let path = Path::new(&self.argument);
+        // Every folder of ours holds a model of that name; the folder's says which.
+        let folder = path.parent().and_then(Path::file_name);
+        let name = if path.ends_with("model.safetensors") { folder } else { None };
+        name.or(path.file_name())
+            .map_or_else(|| self.argument.clone(), |name| name.to_string_lossy().into_owned())
     }
 
     /// The material as a function. Scattered samples are interpolated: for pictures only.

@@ -82,7 +82,9 @@ pub fn detect(bytes: &[u8]) -> Result<Format, FormatError> {
 /// A header length that fits, then the start of a JSON object.
 fn is_safetensors(bytes: &[u8]) -> bool {
     let Some((length, rest)) = bytes.split_first_chunk::<8>() else { return false };
-    rest.first() == Some(&b'{') && u64::from_le_bytes(*length) <= rest.len() as u64
+    // One that was cut short still starts as it should.
+    rest.starts_with(b"{\"")
+        || rest.first() == Some(&b'{') && u64::from_le_bytes(*length) <= rest.len() as u64
 }
 
 /// The longest valid text within the first 16 KiB, if there is any and it is not binary.

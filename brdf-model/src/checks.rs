@@ -150,3 +150,22 @@ pub fn summarize(samples: &SampleSet) -> SampleSummary {
         zero_share,
     }
 }
+
+/// Pairs on which [`anisotropy`] is measured.
+const TURNED_PAIRS: u32 = 1_000;
+
+/// Mean |f − f of the pair turned about the normal by a quarter| over mean f, of luminance, within
+/// 70°: 0 for isotropic materials.
+pub fn anisotropy(brdf: &dyn Brdf) -> f64 {
+    let sampling = PairSampling { count: TURNED_PAIRS, seed: 1, theta_max: 70_f64.to_radians() };
+    let (mut off, mut all) = (0.0, 0.0);
+    for pair in sampling.pairs() {
+        let turned = pair.rotated_about_normal(std::f64::consts::FRAC_PI_2);
+        if brdf.covers(&pair) && brdf.covers(&turned) {
+            let value = brdf.eval(&pair).luminance();
+            off += (value - brdf.eval(&turned).luminance()).abs();
+            all += value;
+        }
+    }
+    if all > 0.0 { off / all } else { 0.0 }
+}

@@ -41,7 +41,8 @@ pub use analytic::{
 pub use batch::{DirectionBatch, RgbBatch};
 pub use brdf::Brdf;
 pub use checks::{
-    Coverage, PhysicalChecks, SampleSummary, check, directional_albedo, largest_albedo, summarize,
+    Coverage, PhysicalChecks, SampleSummary, anisotropy, check, directional_albedo, largest_albedo,
+    summarize,
 };
 pub use error::ModelError;
 pub use fresnel::{Fresnel, conductor_reflectance, dielectric_reflectance};

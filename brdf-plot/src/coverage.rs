@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use brdf_model::{Brdf, PairSampling, SampleSet};
+use brdf_model::{Brdf, SampleSet};
 use brdf_param::{DirectionPair, HalfDifference, polar_angle};
 
 use crate::heat::{Field, Heat, HeatScale, plot_heat};
@@ -10,8 +10,9 @@ use crate::plot::{Plot, PlotError};
 
 /// Bins along each side.
 const BINS: usize = 30;
-/// Pairs drawn over both whole hemispheres to see where a table has data.
-const PAIRS: u32 = 200_000;
+/// Azimuths at which a bin of angles is probed, and places along each side of it.
+const AZIMUTHS: u32 = 24;
+const PLACES: u32 = 3;
 
 /// For a material that can be evaluated, the share of pairs with data in bins of (theta_i, theta_o)
 /// and (theta_h, theta_d): holes and invalid cells are dark. For scattered rows, how many fall into
@@ -26,33 +27,51 @@ pub fn plot_coverage(
     rows: Option<&SampleSet>,
 ) -> Result<Plot, PlotError> {
     let mut counts = [Counts::default(), Counts::default()];
-    let mut count = |pair: &DirectionPair, known: bool| {
-        let angles = HalfDifference::from_pair(pair);
-        counts[0].add([polar_angle(pair.wi), polar_angle(pair.wo)], known);
-        counts[1].add([angles.theta_h, angles.theta_d], known);
-    };
     if let Some(rows) = rows {
-        rows.pairs().for_each(|pair| count(&pair, true));
+        for pair in rows.pairs() {
+            let angles = HalfDifference::from_pair(&pair);
+            counts[0].add([polar_angle(pair.wi), polar_angle(pair.wo)], true);
+            counts[1].add([angles.theta_h, angles.theta_d], true);
+        }
     } else {
-        let sampling = PairSampling { count: PAIRS, seed: 1, theta_max: FRAC_PI_2 };
-        for pair in sampling.pairs() {
-            count(&pair, brdf.covers(&pair));
+        for (first, second, azimuth) in probes() {
+            let plain = DirectionPair::from_angles(first, 0.0, second, azimuth);
+            counts[0].add([first, second], brdf.covers(&plain));
+            let angles =
+                HalfDifference { theta_h: first, phi_h: 0.0, theta_d: second, phi_d: azimuth };
+            let pair = angles.to_pair();
+            if pair.wi.z > 0.0 && pair.wo.z > 0.0 {
+                counts[1].add([first, second], brdf.covers(&pair));
+            }
         }
     }
     let fields = counts.map(|c| if rows.is_some() { c.totals() } else { c.shares() });
     let scale = if rows.is_some() {
         let most =
             fields.iter().flat_map(|f| f.values.iter().flatten()).copied().fold(1.0, f64::max);
-        HeatScale { label: "rows a bin".to_owned(), range: [0.0, most], log: false }
+        HeatScale {
+            label: "rows a bin".to_owned(),
+            range: [0.0, most],
+            log: false,
+            clipped_below: false,
+        }
     } else {
-        HeatScale { label: "share with data".to_owned(), range: [0.0, 1.0], log: false }
+        HeatScale {
+            label: "share with data".to_owned(),
+            range: [0.0, 1.0],
+            log: false,
+            clipped_below: false,
+        }
     };
     let axes = [["theta_i (°)", "theta_o (°)"], ["theta_h (°)", "theta_d (°)"]];
     let panels: Vec<Heat> = fields
         .into_iter()
         .zip(axes)
         .map(|(field, [x, y])| Heat {
-            title: name.to_owned(),
+            title: format!(
+                "{name} (grey: no {})",
+                if rows.is_some() { "rows" } else { "such pair" }
+            ),
             x: x.to_owned(),
             y: y.to_owned(),
             extent: [90.0; 2],
@@ -61,6 +80,20 @@ pub fn plot_coverage(
         })
         .collect();
     plot_heat(&panels, 2, Some(&scale))
+}
+
+/// Two polar angles and an azimuth, evenly over all bins.
+fn probes() -> impl Iterator<Item = (f64, f64, f64)> {
+    let steps = u32::try_from(BINS).unwrap_or(1) * PLACES;
+    let angle = move |step: u32| FRAC_PI_2 * (f64::from(step) + 0.5) / f64::from(steps);
+    (0..steps).flat_map(move |first| {
+        (0..steps).flat_map(move |second| {
+            (0..AZIMUTHS).map(move |turn| {
+                let azimuth = std::f64::consts::TAU * (f64::from(turn) + 0.5) / f64::from(AZIMUTHS);
+                (angle(first), angle(second), azimuth)
+            })
+        })
+    })
 }
 
 /// Pairs in each bin, and those with data.
@@ -93,6 +126,7 @@ impl Counts {
     }
 
     fn totals(self) -> Field {
-        Field { columns: BINS, values: self.0.into_iter().map(|(all, _)| Some(all)).collect() }
+        let count = |(all, _): (f64, f64)| (all > 0.0).then_some(all);
+        Field { columns: BINS, values: self.0.into_iter().map(count).collect() }
     }
 }

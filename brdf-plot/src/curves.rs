@@ -88,7 +88,8 @@ impl Curves {
             let (low, high) = all()
                 .map(pick)
                 .fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
-            let margin = 0.04 * (high - low).max(1e-3 * high.abs().max(1e-3));
+            // A single value stands in the middle of its neighbourhood.
+            let margin = if high > low { 0.04 * (high - low) } else { 0.5 };
             (low - margin)..(high + margin)
         };
         let (across, mut along) = (range(|p| p.0), range(|p| p.1));

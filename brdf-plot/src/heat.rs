@@ -59,6 +59,8 @@ pub struct HeatScale {
     pub range: [f64; 2],
     /// Colours follow the logarithm.
     pub log: bool,
+    /// Values below the range exist and look like its lower end.
+    pub clipped_below: bool,
 }
 
 impl HeatScale {
@@ -76,8 +78,9 @@ impl HeatScale {
             }
         }
         let high = if high > 0.0 { high } else { 1.0 };
-        let low = low.max(high * 10_f64.powf(-decades)).min(0.5 * high);
-        Self { label: label.into(), range: [low, high], log: true }
+        let shown = low.max(high * 10_f64.powf(-decades)).min(0.5 * high);
+        let clipped_below = low < shown;
+        Self { label: label.into(), range: [shown, high], log: true, clipped_below }
     }
 
     fn share(&self, value: f64) -> f64 {
@@ -272,7 +275,9 @@ fn draw_bar(
     for tick in 0..=4 {
         let share = f64::from(tick) / 4.0;
         let at = top + SIDE - SIDE * tick / 4;
-        let label = Text::new(short(scale.value(share)), (left + 28, at - 6), text.clone());
+        let below = if tick == 0 && scale.clipped_below { "≤ " } else { "" };
+        let value = format!("{below}{}", short(scale.value(share)));
+        let label = Text::new(value, (left + 28, at - 6), text.clone());
         sheet.draw(&label).map_err(|e| drawing(&e))?;
     }
     let label = Text::new(scale.label.clone(), (left + 4, top - 20), text);

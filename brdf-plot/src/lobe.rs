@@ -13,8 +13,8 @@ use crate::plot::{Plot, PlotError, Sheet, drawing, on_sheet};
 
 const PANEL: i32 = 560;
 /// Patches of the surface along the polar angle and around.
-const POLAR: u32 = 45;
-const AROUND: u32 = 90;
+const POLAR: u32 = 60;
+const AROUND: u32 = 120;
 /// Where the viewer of the plot stands: degrees around the normal and above the surface.
 const VIEW_DEG: (f64, f64) = (60.0, 25.0);
 
@@ -27,7 +27,8 @@ const VIEW_DEG: (f64, f64) = (60.0, 25.0);
 pub fn plot_lobes(name: &str, brdf: &dyn Brdf, incidences_deg: &[f64]) -> Result<Plot, PlotError> {
     let surfaces: Vec<Vec<Patch>> =
         incidences_deg.iter().map(|theta| surface(brdf, theta.to_radians())).collect();
-    let largest = surfaces.iter().flatten().map(|patch| patch.radius).fold(0.0_f64, f64::max);
+    let corners = surfaces.iter().flatten().flat_map(|patch| patch.corners);
+    let largest = corners.map(|corner| corner.length()).fold(0.0_f64, f64::max);
     if largest <= 0.0 {
         return Err(PlotError::Nothing { what: "nothing is reflected" });
     }

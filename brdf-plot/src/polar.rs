@@ -12,7 +12,7 @@ use crate::plot::{Plot, PlotError, drawing, on_sheet};
 
 const SIZE: (u32, u32) = (1120, 600);
 /// Half the range of x, so that a unit is as long as one of y.
-const HALF_WIDTH: f64 = 1.27;
+const HALF_WIDTH: f64 = 1.236;
 /// Steps from one horizon to the other.
 const STEPS: u32 = 360;
 

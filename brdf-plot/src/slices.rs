@@ -27,11 +27,15 @@ pub fn plot_slices(
     let panels: Vec<Heat> = materials
         .iter()
         .flat_map(|(name, brdf)| {
-            azimuths_deg.iter().map(move |&azimuth| {
+            azimuths_deg.iter().enumerate().map(move |(column, &azimuth)| {
                 let slice = Slice::sample(*brdf, parametrization, azimuth.to_radians(), SIZE);
                 let [_, _, angle] = parametrization.isotropic_names();
                 Heat {
-                    title: format!("{name}, {angle} = {azimuth}°"),
+                    title: if column == 0 {
+                        format!("{}, {azimuth}°", shortened(name))
+                    } else {
+                        format!("{angle} = {azimuth}°")
+                    },
                     x: x.to_owned(),
                     y: y.to_owned(),
                     extent: [extent; 2],
@@ -44,4 +48,14 @@ pub fn plot_slices(
     let fields = panels.iter().filter_map(|panel| panel.image.as_ref());
     let scale = HeatScale::log_over("luminance (1/sr)", fields, DECADES);
     plot_heat(&panels, azimuths_deg.len(), Some(&scale))
+}
+
+/// Names longer than a panel would run into the next.
+const LONGEST_NAME: usize = 24;
+
+fn shortened(name: &str) -> String {
+    if name.chars().count() <= LONGEST_NAME {
+        return name.to_owned();
+    }
+    name.chars().take(LONGEST_NAME - 1).chain(['…']).collect()
 }

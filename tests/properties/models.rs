@@ -65,3 +65,10 @@ fn energy_is_conserved_where_the_model_promises_it() {
     let albedo = directional_albedo(&lambert, 1.0).r;
     assert!((albedo - 0.5).abs() < 2e-3, "white furnace: {albedo}");
 }
+
+#[test]
+fn anisotropy_tells_brushed_materials_from_others() {
+    let of = |name: &str| brdf_model::anisotropy(&Preset::find(name).unwrap().brdf());
+    assert!(of("plastic") < 1e-9 && of("lafortune-blue-paint") < 1e-9);
+    assert!(of("ashikhmin-shirley") > 0.1, "{}", of("ashikhmin-shirley"));
+}

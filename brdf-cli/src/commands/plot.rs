@@ -41,7 +41,7 @@ use crate::subject::Subject;
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct PlotArgs {
-    /// Materials
+    /// Materials; several for slice and rank-error, one for the others
     #[arg(required = true)]
     models: Vec<String>,
 
@@ -58,7 +58,7 @@ pub(super) struct PlotArgs {
     space: SpaceArg,
 
     /// Azimuths of slices, degrees
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [0.0, 45.0, 90.0, 135.0, 180.0], allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [0.0, 45.0, 90.0, 135.0, 180.0], value_parser = azimuth, allow_hyphen_values = true)]
     azimuth_deg: Vec<f64>,
 
     /// Incidences of lobes, degrees
@@ -88,6 +88,13 @@ fn incidence(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(angle) if (0.0..90.0).contains(&angle) => Ok(angle),
         _ => Err("expected degrees from 0 to below 90".to_owned()),
+    }
+}
+
+fn azimuth(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(angle) if (-360.0..=360.0).contains(&angle) => Ok(angle),
+        _ => Err("expected degrees from -360 to 360".to_owned()),
     }
 }
 

@@ -9,7 +9,7 @@ use brdf_io::OutputFolder;
 use brdf_plot::plot_parametrizations;
 use brdf_study::{StudyParams, study_material};
 
-use crate::args::{PairArgs, ReadArgs};
+use crate::args::ReadArgs;
 use crate::progress::Progress;
 use crate::report::study::{Studied, StudyReport};
 use crate::subject::Subject;
@@ -19,7 +19,8 @@ use crate::subject::Subject;
 /// For every material and every parametrization (standard, half/difference, Kautz–McCool,
 /// orthographic, hybrid): how isolines of the isotropic part run against the axes, the energy that
 /// sums of 1, 2, 4 and 8 products capture, the best reduction to two coordinates, and the error of
-/// tables of equal size. Errors are root mean squares of ln(1 + f cosθi) over the same pairs. Writes
+/// tables of equal size. Errors are root mean squares of ln(1 + f cosθi), f the luminance, over the
+/// same pairs within 80°; isolines are those of whole slices. Writes
 /// report.html with a verdict, report.json, study.csv, and for up to eight materials slices with
 /// isolines. An .npz archive of neural BRDFs stands for all of its materials.
 ///
@@ -47,9 +48,6 @@ pub(super) struct Study {
     json: bool,
 
     #[command(flatten)]
-    pairs: PairArgs,
-
-    #[command(flatten)]
     read: ReadArgs,
 }
 
@@ -64,11 +62,7 @@ impl Study {
             subjects.extend(Subject::open_all(input, &options)?);
         }
         let mut folder = OutputFolder::new(&self.output, self.force)?;
-        let params = StudyParams {
-            theta_max: self.pairs.theta_max(),
-            seed: self.seed,
-            ..StudyParams::default()
-        };
+        let params = StudyParams { seed: self.seed, ..StudyParams::default() };
         let progress = Progress::new(subjects.len() as u64);
         let mut materials = Vec::new();
         let mut skipped = Vec::new();

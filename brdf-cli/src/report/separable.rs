@@ -1,7 +1,7 @@
 //! What `brdf factor` reports of a sum of products.
 
 use brdf_io::{RankRecord, SeparableFile, SeparableSettings};
-use brdf_model::{Channels, PairSampling};
+use brdf_model::{Channels, PairSampling, anisotropy};
 use brdf_plot::{Curves, Plot, PlotError, Scale, Series, plot_curves};
 use brdf_separable::{CellCounts, ChannelSpectrum, Decomposition, EigenSolver, SeparableBrdf};
 use maud::{Markup, PreEscaped, html};
@@ -226,6 +226,8 @@ pub(crate) fn spectrum_plot(name: &str, spectra: &[ChannelSpectrum]) -> Result<P
     plot_curves(&[curves], 1)
 }
 
+/// What turning a material may change before it is called anisotropic: tables interpolate.
+pub(crate) const ANISOTROPIC: f64 = 0.01;
 /// Asymmetry above this is more than rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -243,6 +245,20 @@ pub(crate) fn separable_notes(
              rows were held out"
                 .to_owned(),
         );
+    }
+    let turned = anisotropy(subject.brdf());
+    if file.model.layout().is_isotropic() && turned > ANISOTROPIC {
+        notes.push(format!(
+            "the material is anisotropic: it differs by {} when turned by a quarter, which textures of \
+             the polar angle alone cannot hold",
+            percent(turned)
+        ));
+    }
+    let without = fit.terms.last().and_then(|term| Some(term.held_out.as_ref()?.without_logarithm));
+    if let Some(count) = without.filter(|count| *count > 0) {
+        notes.push(format!(
+            "{count} held-out values came out negative and have no logarithm; log errors take them as 0"
+        ));
     }
     let cells = fit.cells;
     let share = |count: usize| {

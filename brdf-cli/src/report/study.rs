@@ -9,7 +9,10 @@ use maud::{PreEscaped, html};
 use serde::Serialize;
 
 use super::html::{command, document};
-use crate::numbers::significant;
+use brdf_model::anisotropy;
+
+use super::separable::ANISOTROPIC;
+use crate::numbers::{percent, significant};
 use crate::subject::Subject;
 
 /// `report.json`. The first key marks the folder as ours.
@@ -41,6 +44,8 @@ pub(crate) struct Studied {
     kind: &'static str,
     /// Rows were interpolated between measurements.
     interpolated: bool,
+    /// Mean |f − f turned by a quarter| over mean f: the study takes it to be 0.
+    anisotropy: f64,
     rows: Vec<ParametrizationRow>,
 }
 
@@ -86,6 +91,7 @@ impl Studied {
             material: subject.short_name(),
             kind: subject.kind(),
             interpolated: subject.samples().is_some(),
+            anisotropy: anisotropy(subject.brdf()),
             rows,
         }
     }
@@ -155,7 +161,7 @@ impl StudyReport {
     pub(crate) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
         writeln!(
             out,
-            "{} materials, {} pairs within {}°; how often each parametrization is best (median)",
+            "{} materials, errors on {} pairs within {}°; how often each parametrization is best (median)",
             self.materials.len(),
             self.pairs,
             significant(self.theta_max_deg)
@@ -171,6 +177,14 @@ impl StudyReport {
                 write!(out, "  {:>17}", format!("{count} ({median})"))?;
             }
             writeln!(out)?;
+        }
+        for material in self.materials.iter().filter(|m| m.anisotropy > ANISOTROPIC) {
+            writeln!(
+                out,
+                "{}: taken to be isotropic, but differs by {} when turned",
+                material.material,
+                percent(material.anisotropy)
+            )?;
         }
         for reason in &self.skipped {
             writeln!(out, "left out: {reason}")?;
@@ -210,6 +224,7 @@ impl StudyReport {
                                 td {
                                     (material.material)
                                     @if material.interpolated { " (rows interpolated)" }
+                                    @if material.anisotropy > ANISOTROPIC { " (anisotropic)" }
                                 }
                                 td { (row.parametrization.name()) }
                                 td { (significant(row.alignment.across_axes)) }

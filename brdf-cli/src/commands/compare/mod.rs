@@ -14,7 +14,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use self::measures::{Judge, Row};
-use crate::args::{PairArgs, ReadArgs};
+use crate::args::{PairArgs, ReadArgs, usage};
 use crate::pictures::metric_lights;
 use crate::progress::Progress;
 use crate::subject::Subject;
@@ -97,6 +97,9 @@ struct Comparison {
 
 impl Compare {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        if self.metrics == MetricsArg::Basic && !self.env.is_empty() {
+            return Err(usage("--env is for --metrics all"));
+        }
         if Path::new(&self.reference).is_dir() {
             return self.compare_folders(out);
         }

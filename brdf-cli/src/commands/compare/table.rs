@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::Comparison;
+use super::{Comparison, Row};
 use crate::numbers::{bytes, or_dash, significant};
 
 /// A line for each model.
@@ -23,17 +23,14 @@ pub(super) fn print_basic(comparison: &Comparison, out: &mut impl Write) -> std:
             }
         }
         writeln!(out, "  {:>10}", or_dash(row.cosine_rms))?;
-        if row.without_data > 0 {
-            writeln!(out, "{:width$}  {} pairs without data left out", "", row.without_data)?;
-        }
     }
-    Ok(())
+    results.iter().try_for_each(|row| remarks(row, &row.model, out))
 }
 
 /// A line for each measure, a column for each model.
 pub(super) fn print_all(comparison: &Comparison, out: &mut impl Write) -> std::io::Result<()> {
     head(comparison, out)?;
-    let columns: Vec<_> = comparison.results.iter().map(super::Row::measures).collect();
+    let columns: Vec<_> = comparison.results.iter().map(Row::measures).collect();
     let Some(first) = columns.first() else { return Ok(()) };
     let label = first.iter().map(|m| m.name.chars().count()).max().unwrap_or(0);
     for (index, row) in comparison.results.iter().enumerate() {
@@ -52,8 +49,23 @@ pub(super) fn print_all(comparison: &Comparison, out: &mut impl Write) -> std::i
         }
         writeln!(out)?;
     }
-    for row in comparison.results.iter().filter(|row| row.without_data > 0) {
-        writeln!(out, "{}: {} pairs without data left out", row.model, row.without_data)?;
+    for row in &comparison.results {
+        remarks(row, &row.model, out)?;
+    }
+    Ok(())
+}
+
+/// What the figures of a model alone do not say.
+fn remarks(row: &Row, name: &str, out: &mut impl Write) -> std::io::Result<()> {
+    if row.without_data > 0 {
+        writeln!(out, "{name}: {} pairs without data left out", row.without_data)?;
+    }
+    if row.without_logarithm > 0 {
+        writeln!(
+            out,
+            "{name}: {} negative values without a logarithm; log errors take them as 0",
+            row.without_logarithm
+        )?;
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use anyhow::bail;
 use brdf_io::{Measured, ModelFile, OutputFolder, ReadOptions, model_to_bytes, open_measurement};
 
+use crate::args::usage;
 use crate::numbers::{bytes, or_dash, significant};
 use crate::pictures::{factor_files, model_sphere};
 
@@ -25,10 +26,13 @@ pub(super) struct KeepArgs {
 impl KeepArgs {
     /// The model asked for, if one was.
     pub(super) fn open(&self) -> anyhow::Result<Option<ModelFile>> {
+        if self.keep.is_some() && self.from.is_none() {
+            return Err(usage("--keep takes a model out of a file: give it with --from"));
+        }
         let (Some(path), Some(keep)) = (&self.from, self.keep) else { return Ok(None) };
         let measurement = open_measurement(path, &ReadOptions::default())?;
         let Measured::Model(file) = measurement.measured else {
-            bail!("{}: holds no model; expected one of `brdf factor`", path.display());
+            bail!("{}: holds no searched model; expected one of `brdf factor`", path.display());
         };
         let sizes: Vec<String> = file
             .smaller

@@ -19,7 +19,7 @@ use brdf_separable::{
 };
 
 use super::Factor;
-use crate::args::{memory, not_negative, usage};
+use crate::args::{memory, usage};
 use crate::choices::{
     BoundArg, EigenSolverArg, FillArg, LogMapArg, MapArg, MethodArg, ReciprocityArg, WeightArg,
 };
@@ -60,7 +60,7 @@ pub(super) struct SeparableArgs {
     fill: Option<FillArg>,
 
     /// p of the weights cosᵖθ of both sides; .5 pays for many terms of grazing-heavy materials
-    #[arg(long, value_name = "P", value_parser = not_negative, allow_hyphen_values = true)]
+    #[arg(long, value_name = "P", value_parser = weight_power, allow_hyphen_values = true)]
     weight_power: Option<f64>,
 
     /// How eigenpairs are found [default: krylov]
@@ -70,6 +70,13 @@ pub(super) struct SeparableArgs {
     /// Most memory for the matrix and the work on it, such as 500M [default: 4G]
     #[arg(long, value_name = "BYTES", value_parser = memory)]
     memory_limit: Option<usize>,
+}
+
+fn weight_power(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(power) if (0.0..=8.0).contains(&power) => Ok(power),
+        _ => Err("expected a number from 0 to 8".to_owned()),
+    }
 }
 
 impl SeparableArgs {
@@ -188,6 +195,16 @@ impl Factor {
             }
             _ => return Err(usage(format!("--log-map does not apply to --method {name}"))),
         }
+        let args = &self.separable;
+        if self.method == MethodArg::Eigen && (args.joint_rgb || !self.layout()?.is_symmetric()) {
+            return Err(usage(
+                "--method eigen needs one symmetric matrix a channel: --space standard, no --isotropic, \
+                 no --joint-rgb",
+            ));
+        }
+        if self.method == MethodArg::Normalized && args.rank.is_some_and(|rank| rank != 1) {
+            return Err(usage("--method normalized has one term: no --rank above 1"));
+        }
         if self.separable.eigen_solver.is_some() && self.method != MethodArg::Eigen {
             return Err(usage(format!("--eigen-solver is for --method eigen, not {name}")));
         }
@@ -235,7 +252,7 @@ impl Factor {
             rank: match (args.rank, decomposition) {
                 (Some(rank), _) => rank as usize,
                 (None, Decomposition::Normalized) => 1,
-                (None, _) => 4,
+                (None, _) => smaller_side(layout).min(4),
             },
             joint_rgb: args.joint_rgb,
             ..SeparableParams::default()
@@ -335,6 +352,10 @@ impl Factor {
         };
         std::array::from_fn(|channel| ValueMap::Offset { a: offset(channel) })
     }
+}
+
+fn smaller_side(layout: &Layout) -> usize {
+    layout.first.nodes().len().min(layout.second.nodes().len())
 }
 
 fn summarise(
