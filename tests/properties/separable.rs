@@ -361,7 +361,7 @@ fn models_do_not_depend_on_the_number_of_threads() {
     assert_eq!(made(1), made(2));
 }
 
-/// A proxy of the relighting paper's table 4.3: error against its own prototype's figures.
+/// Recorded by the project's relighting experiments: relative errors of 8 and 16 terms at 48².
 #[test]
 fn the_cosine_weighted_error_of_plastic_is_the_recorded_one() {
     let brdf = Preset::find("plastic").unwrap().brdf();
