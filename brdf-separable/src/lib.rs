@@ -33,6 +33,7 @@ mod nonnegative;
 mod normalized;
 mod power;
 mod product;
+mod rank_error;
 mod value_map;
 
 pub use chart::{Chart, Node};
@@ -46,4 +47,5 @@ pub use matrix::{BrdfMatrix, CellCounts, Fill, MatrixParams, RankError};
 pub use model::{SecondSide, SeparableBrdf};
 pub use nonnegative::{NonnegativeParams, nonnegative_factors};
 pub use power::{PowerPair, power_iteration};
+pub use rank_error::{RankCosineRms, cosine_rms_by_rank};
 pub use value_map::ValueMap;

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use brdf_io::{Measured, write_atomically};
-use brdf_model::{Brdf, Channels, MerlLookup, cosine_rms_pairs};
+use brdf_model::{Brdf, Channels, MerlLookup};
 use brdf_param::{HemisphereMap, Parametrization};
 use brdf_plot::{
     Curves, Plot, Scale, Series, plot_coverage, plot_curves, plot_lobes, plot_parametrizations,
@@ -14,7 +14,8 @@ use brdf_plot::{
 };
 use brdf_render::{DisplayImage, Side, term_view, texture_view};
 use brdf_separable::{
-    BrdfMatrix, Chart, Decomposition, EigenSolver, Layout, MatrixParams, SeparableParams, factorize,
+    BrdfMatrix, Chart, Decomposition, EigenSolver, Layout, MatrixParams, RankCosineRms,
+    SeparableParams, cosine_rms_by_rank, factorize,
 };
 use brdf_study::TestFunction;
 use clap::ValueEnum;
@@ -308,26 +309,11 @@ fn rank_error(brdf: &dyn Brdf, resolution: usize) -> anyhow::Result<[Vec<(f64, f
             ..SeparableParams::default()
         },
     )?;
-    let model = &fit.model;
-    let limit = 80_f64.to_radians().cos();
-    let mut squares = [vec![0.0; model.rank()], vec![0.0; model.rank()]];
-    let mut counts = [0.0_f64; 2];
-    for pair in cosine_rms_pairs(1) {
-        let exact = brdf.eval(&pair);
-        let is_near = pair.wi.z.min(pair.wo.z) >= limit;
-        let sets = if is_near { 2 } else { 1 };
-        model.partial_sums(&pair, |rank, value| {
-            let miss = exact - value.map(|v| v.max(0.0));
-            let square = miss.channels().iter().map(|v| v * v).sum::<f64>() / 3.0;
-            squares[..sets].iter_mut().for_each(|sums| sums[rank - 1] += pair.wi.z * square);
-        });
-        counts[..sets].iter_mut().for_each(|count| *count += 1.0);
-    }
-    let [all, near] = counts;
-    let points = |sums: &[f64], count: f64| {
+    let errors = cosine_rms_by_rank(brdf, &fit.model, 1);
+    let points = |pick: fn(&RankCosineRms) -> f64| {
         #[expect(clippy::cast_precision_loss, reason = "a handful of terms")]
-        let point = |(index, sum): (usize, &f64)| ((index + 1) as f64, (sum / count).sqrt());
-        sums.iter().enumerate().map(point).take(RANKS).collect()
+        let point = |(index, error): (usize, &RankCosineRms)| ((index + 1) as f64, pick(error));
+        errors.iter().enumerate().map(point).take(RANKS).collect()
     };
-    Ok([points(&squares[0], all), points(&squares[1], near)])
+    Ok([points(|e| e.absolute), points(|e| e.within_80)])
 }

@@ -106,10 +106,9 @@ impl Factor {
         let mut folder = OutputFolder::new(&self.output, self.force)?;
         let channels = self.pairs.channels(subject.channels());
         let progress = Progress::new(12);
-        let file = self
+        let (file, report) = self
             .fit_separable(&subject, &layout, channels, &progress)
             .with_context(|| self.input.clone())?;
-        let (file, report) = (file.0, file.1);
 
         progress.step("rendering");
         let pictures = SeparablePictures::new(&subject, &file, channels)?;
