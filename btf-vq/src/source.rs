@@ -1,0 +1,82 @@
+//! Where a BTF comes from: a set of images, one for each pair of view and light.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// What the numbers of a BTF mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Encoding {
+    /// Display-referred sRGB in [0, 1], as 8-bit images hold it.
+    Srgb,
+    /// Linear radiance, Rec. 709 primaries, 0 and above.
+    Linear,
+}
+
+/// A viewing direction and the lights under which it was seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Unit direction to the viewer, z along the normal of the sample plane.
+    pub wo: DVec3,
+    /// Unit directions to the lights, as they really stood; they need not be those of other views.
+    pub lights: Vec<DVec3>,
+}
+
+/// Size and directions of a BTF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BtfLayout {
+    /// Texels in a row.
+    pub width: usize,
+    /// Rows; the first is the one with the largest y, as in an image seen from above.
+    pub height: usize,
+    /// Views in the order of the images.
+    pub views: Vec<View>,
+    /// What the numbers mean.
+    pub encoding: Encoding,
+    /// Whether values contain the cosine of the light's polar angle.
+    pub cosine_included: bool,
+}
+
+impl BtfLayout {
+    /// Number of images: for each view, one for each of its lights.
+    pub fn image_count(&self) -> usize {
+        self.views.iter().map(|view| view.lights.len()).sum()
+    }
+
+    /// Texels of one image.
+    pub fn texel_count(&self) -> usize {
+        self.width * self.height
+    }
+
+    /// Bytes of the raw images: 8 bits a channel, or 12 for linear radiance, as the paper counts.
+    pub fn raw_bytes(&self) -> u64 {
+        let values = 3 * self.image_count() as u64 * self.texel_count() as u64;
+        match self.encoding {
+            Encoding::Srgb => values,
+            Encoding::Linear => values * 3 / 2,
+        }
+    }
+}
+
+/// Why a source could not be read.
+pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
+
+/// A BTF that can be read block by block of texels.
+pub trait BtfSource: Sync {
+    /// Size and directions.
+    fn layout(&self) -> &BtfLayout;
+
+    /// The values of consecutive texels (row-major) in all images: `out[image][texel][rgb]`, images
+    /// view by view, each view's lights in order; as [`BtfLayout::encoding`] says.
+    ///
+    /// # Errors
+    ///
+    /// What the source says if it cannot be read.
+    ///
+    /// # Panics
+    ///
+    /// If `texels` goes past the last one or `out` has another size.
+    fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError>;
+}
