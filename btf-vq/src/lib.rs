@@ -1,5 +1,33 @@
 //! Bidirectional *texture* functions (not BPF Type Format) in nested codebooks.
 
+mod bits;
+mod books;
+mod cluster;
+pub mod colour;
+mod decode;
+mod error;
+mod grid;
+mod lpca;
+mod model;
+mod nearest;
+mod quantise;
+mod rbf;
+mod refined;
+mod resample;
 mod source;
+mod subspace;
+mod survey;
 
+pub use bits::index_bits;
+pub use books::{Books, Chroma, IndexBook, Material, ValueBook, level_size};
+pub use decode::{Decoder, Taps};
+pub use error::VqError;
+pub use grid::{AngularGrid, LightParametrization, LightTaps, Pair, ViewTaps};
+pub use lpca::{LocalPca, LpcaDecoder, LpcaHeader, LpcaMaterial, LpcaModel, Steps, fit_lpca, lpca_bytes};
+pub use model::{Header, MaterialHeader, Rows, ScaleBits, SharedBytes, VqModel};
+pub use nearest::{CodeSet, Match};
+pub use quantise::{Law, Quantiser};
+pub use refined::{BookSizes, Encoded, LevelErrors, encode_refined};
+pub use resample::{BLOCK, Resampler};
 pub use source::{BtfLayout, BtfSource, Encoding, SourceError, View};
+pub use survey::{Survey, SurveyParams, TexelSet};

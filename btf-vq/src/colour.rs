@@ -1,0 +1,110 @@
+//! Luminance and chrominance of texels.
+//!
+//! Sources: ITU-R BT.601 (full range, as in JPEG); G. W. Larson, "LogLuv Encoding for Full-Gamut,
+//! High-Dynamic Range Images", Journal of Graphics Tools 3(1), 1998.
+
+use crate::Encoding;
+
+/// Weight of a squared error in luma, Cb and Cr in the mean squared error of RGB, without the products
+/// of different channels, which average out where channels are quantised apart.
+pub const RGB_WEIGHTS: [f32; 3] = [1.0, (0.344_136 * 0.344_136 + 1.772 * 1.772) / 3.0, {
+    (1.402 * 1.402 + 0.714_136 * 0.714_136) / 3.0
+}];
+
+/// Luma, Cb and Cr, the latter two around 0, of display-referred RGB. Linear.
+pub fn to_ycbcr([r, g, b]: [f32; 3]) -> [f32; 3] {
+    let y = 0.299 * r + 0.587 * g + 0.114 * b;
+    [y, (b - y) / 1.772, (r - y) / 1.402]
+}
+
+/// The inverse of [`to_ycbcr`].
+pub fn from_ycbcr([y, cb, cr]: [f32; 3]) -> [f32; 3] {
+    [y + 1.402 * cr, y - 0.344_136 * cb - 0.714_136 * cr, y + 1.772 * cb]
+}
+
+/// Chromaticity of white (D65) in CIE 1976 u′v′.
+const WHITE_UV: [f32; 2] = [0.197_833, 0.468_331];
+/// Codes of u′ and v′ per unit in LogLuv.
+const UV_STEPS: f32 = 410.0;
+
+/// CIE Y and u′v′ of linear Rec. 709 RGB; white's chromaticity for black.
+pub fn to_yuv([r, g, b]: [f32; 3]) -> [f32; 3] {
+    let x = 0.412_391 * r + 0.357_584 * g + 0.180_481 * b;
+    let y = 0.212_639 * r + 0.715_169 * g + 0.072_192 * b;
+    let z = 0.019_331 * r + 0.119_195 * g + 0.950_532 * b;
+    let sum = x + 15.0 * y + 3.0 * z;
+    if sum <= 0.0 || y <= 0.0 {
+        return [0.0, WHITE_UV[0], WHITE_UV[1]];
+    }
+    [y, 4.0 * x / sum, 9.0 * y / sum]
+}
+
+/// The inverse of [`to_yuv`].
+pub fn from_yuv([y, u, v]: [f32; 3]) -> [f32; 3] {
+    let v = v.max(1e-3);
+    let x = y * 9.0 * u / (4.0 * v);
+    let z = y * (12.0 - 3.0 * u - 20.0 * v) / (4.0 * v);
+    [
+        3.240_97 * x - 1.537_383 * y - 0.498_611 * z,
+        -0.969_244 * x + 1.875_968 * y + 0.041_555 * z,
+        0.055_63 * x - 0.203_977 * y + 1.056_972 * z,
+    ]
+}
+
+/// u′ or v′ at the steps of LogLuv.
+pub fn quantise_uv(value: f32) -> f32 {
+    ((value * UV_STEPS).floor() + 0.5) / UV_STEPS
+}
+
+/// Luminance and two chromaticities of a value in its encoding.
+pub fn to_luma_chroma(encoding: Encoding, rgb: [f32; 3]) -> [f32; 3] {
+    match encoding {
+        Encoding::Srgb => to_ycbcr(rgb),
+        Encoding::Linear => to_yuv(rgb),
+    }
+}
+
+/// The inverse of [`to_luma_chroma`].
+pub fn from_luma_chroma(encoding: Encoding, value: [f32; 3]) -> [f32; 3] {
+    match encoding {
+        Encoding::Srgb => from_ycbcr(value),
+        Encoding::Linear => from_yuv(value),
+    }
+}
+
+/// Linear value of a display-referred one (IEC 61966-2-1).
+pub fn srgb_to_linear(v: f32) -> f32 {
+    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The inverse of [`srgb_to_linear`].
+pub fn linear_to_srgb(v: f32) -> f32 {
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_come_back() {
+        for rgb in [[0.1, 0.5, 0.9], [1.0, 0.0, 0.0], [0.3, 0.3, 0.3]] {
+            for encoding in [Encoding::Srgb, Encoding::Linear] {
+                let back = from_luma_chroma(encoding, to_luma_chroma(encoding, rgb));
+                for (a, b) in rgb.iter().zip(back) {
+                    assert!((a - b).abs() < 2e-4, "{encoding:?} {rgb:?} {back:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_weights_are_the_error_of_each_channel_in_rgb() {
+        for channel in 0..3 {
+            let mut step = [0.0; 3];
+            step[channel] = 1.0;
+            let mse = from_ycbcr(step).iter().map(|v| v * v).sum::<f32>() / 3.0;
+            assert!((mse - RGB_WEIGHTS[channel]).abs() < 1e-5);
+        }
+    }
+}

@@ -1,0 +1,459 @@
+//! Compressed BTFs: books packed to bits, ready for random access.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::bits::{MAX_ENTRY_BITS, PackedEntries, index_bits, pack, packed_len};
+use crate::books::level_size;
+use crate::{AngularGrid, Books, Chroma, Encoding, IndexBook, Material, Quantiser, ValueBook, VqError};
+
+/// Rows of the shared books.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "the names are those of the books")]
+pub struct Rows {
+    pub p1: usize,
+    pub p2: usize,
+    pub c: usize,
+    pub i1: usize,
+    pub i2: usize,
+    pub m: usize,
+    pub p3: usize,
+    pub p4: usize,
+}
+
+/// A texture in a compressed BTF.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MaterialHeader {
+    /// What it is called.
+    pub name: String,
+    /// Texels in a row of the finest level.
+    pub width: usize,
+    /// Rows of the finest level.
+    pub height: usize,
+    /// Whether values contain the cosine of the light's polar angle.
+    pub cosine_included: bool,
+    /// Resolutions, the finest and those below.
+    pub levels: usize,
+    /// Of the scales of P6.
+    pub scale: Quantiser,
+}
+
+/// What the streams mean.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Lengths of rows and meaning of nodes.
+    pub grid: AngularGrid,
+    /// What values mean.
+    pub encoding: Encoding,
+    /// How chrominance goes with luminance.
+    pub chroma: Chroma,
+    /// Sizes of the books.
+    pub rows: Rows,
+    /// Of the values of P1.
+    pub p1: Quantiser,
+    /// Of the two columns of C.
+    pub c: [Quantiser; 2],
+    /// Of the scales of P2.
+    pub p2: Quantiser,
+    /// Of the scales of P3.
+    pub p3: Quantiser,
+    /// Of the scales of P4.
+    pub p4: Quantiser,
+    /// The textures.
+    pub materials: Vec<MaterialHeader>,
+}
+
+/// Bits of scales and values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScaleBits {
+    /// Of P1's values.
+    pub p1: u32,
+    /// Of P2's scales.
+    pub p2: u32,
+    /// Of P3's.
+    pub p3: u32,
+    /// Of P4's.
+    pub p4: u32,
+    /// Of P6's.
+    pub p6: u32,
+    /// Logarithmic steps everywhere, instead of only where linear ones are too coarse.
+    pub always_log: bool,
+}
+
+impl ScaleBits {
+    /// The paper's: 8, and 16 for P2 where radiance is linear.
+    pub fn paper(encoding: Encoding) -> Self {
+        let p2 = if encoding == Encoding::Linear { 16 } else { 8 };
+        Self { p1: 8, p2, p3: 8, p4: 8, p6: 8, always_log: false }
+    }
+}
+
+/// Shape of a packed book.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    name: &'static str,
+    rows: usize,
+    len: usize,
+    entry_bits: u32,
+}
+
+impl Header {
+    /// The shared books in the order of their streams.
+    fn shapes(&self) -> [Shape; 8] {
+        let (grid, rows) = (&self.grid, &self.rows);
+        let shape = |name, rows, len, entry_bits| Shape { name, rows, len, entry_bits };
+        let indexed = |name, rows, len, target, scale: &Quantiser| {
+            shape(name, rows, len, index_bits(target) + scale.bits)
+        };
+        [
+            shape("P1", rows.p1, grid.betas, self.p1.bits),
+            indexed("P2", rows.p2, grid.alphas, rows.p1, &self.p2),
+            shape("C", rows.c, 2, 8),
+            shape("I1", rows.i1, grid.betas, index_bits(rows.c)),
+            shape("I2", rows.i2, grid.alphas, index_bits(rows.i1)),
+            shape("M", rows.m, 1, index_bits(rows.p2) + index_bits(rows.i2)),
+            indexed("P3", rows.p3, grid.thetas, rows.m, &self.p3),
+            indexed("P4", rows.p4, grid.phis, rows.p3, &self.p4),
+        ]
+    }
+
+    /// P6 of every material and level.
+    fn texture_shapes(&self) -> impl Iterator<Item = Shape> + '_ {
+        self.materials.iter().flat_map(move |material| {
+            (0..material.levels).map(move |level| {
+                let (width, height) = level_size(material.width, material.height, level);
+                let entry_bits = index_bits(self.rows.p4) + material.scale.bits;
+                Shape { name: "P6", rows: width * height, len: 1, entry_bits }
+            })
+        })
+    }
+
+    /// Names of all streams, in order: the books, then `P6.material.level`.
+    pub fn stream_names(&self) -> Vec<String> {
+        let textures = self.materials.iter().enumerate().flat_map(|(index, material)| {
+            (0..material.levels).map(move |level| format!("P6.{index}.{level}"))
+        });
+        self.shapes().iter().map(|s| s.name.to_owned()).chain(textures).collect()
+    }
+
+    fn check(&self) -> Result<(), VqError> {
+        self.grid.check()?;
+        let refuse = |what, found: String, expected| Err(VqError::Header { what, found, expected });
+        let scales = self.materials.iter().map(|m| &m.scale);
+        let quantisers = [&self.p1, &self.c[0], &self.c[1], &self.p2, &self.p3, &self.p4];
+        if let Some(bad) = quantisers.into_iter().chain(scales).find(|q| !q.is_sound()) {
+            return refuse("a quantiser", format!("{bad:?}"), "1 to 16 bits of a finite range");
+        }
+        if self.c[0].bits != 8 || self.c[1].bits != 8 || self.p1.bits > 8 {
+            return refuse("bits of values", format!("{} and {}", self.c[0].bits, self.p1.bits), "8");
+        }
+        for material in &self.materials {
+            let MaterialHeader { width, height, levels, .. } = *material;
+            let texels = width.checked_mul(height).filter(|n| (1..=1 << 28).contains(n));
+            if texels.is_none() || !(1..=28).contains(&levels) {
+                let found = format!("{width} × {height}, {levels} levels");
+                return refuse("a texture's size", found, "1 to 2^28 texels and 1 to 28 levels");
+            }
+        }
+        if let Some(bad) = self.shapes().iter().find(|s| s.rows == 0 || s.rows > 1 << 30) {
+            return refuse("rows of a book", format!("{} in {}", bad.rows, bad.name), "1 to 2^30");
+        }
+        match self.shapes().into_iter().find(|s| s.entry_bits > MAX_ENTRY_BITS) {
+            Some(bad) => refuse("bits of an entry", bad.entry_bits.to_string(), "at most 56"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Bytes that a model reads from: owned, or a mapped file.
+pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
+
+/// A compressed BTF. Every index was checked when it was made; reading never goes out of bounds.
+#[derive(Clone)]
+pub struct VqModel {
+    header: Header,
+    bytes: SharedBytes,
+    ranges: Vec<Range<usize>>,
+}
+
+impl std::fmt::Debug for VqModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("VqModel").field("header", &self.header).finish_non_exhaustive()
+    }
+}
+
+impl VqModel {
+    /// A model from its header and where each of [`Header::stream_names`] lies in `bytes`.
+    ///
+    /// # Errors
+    ///
+    /// [`VqError::Header`], [`VqError::Grid`], [`VqError::Stream`], [`VqError::Index`].
+    pub fn new(
+        header: Header,
+        bytes: SharedBytes,
+        ranges: Vec<Range<usize>>,
+    ) -> Result<Self, VqError> {
+        header.check()?;
+        let model = Self { header, bytes, ranges };
+        model.check_streams()?;
+        model.check_indices()?;
+        Ok(model)
+    }
+
+    fn check_streams(&self) -> Result<(), VqError> {
+        let shapes = self.header.shapes().into_iter().chain(self.header.texture_shapes());
+        let (all, mut ranges) = ((*self.bytes).as_ref(), self.ranges.iter());
+        for shape in shapes {
+            let Shape { name, rows, len, entry_bits } = shape;
+            let expected = rows.checked_mul(len).and_then(|n| packed_len(n, entry_bits));
+            let found = ranges.next().and_then(|r| all.get(r.clone())).map_or(0, <[u8]>::len);
+            if expected != Some(found) {
+                let expected = expected.unwrap_or(usize::MAX);
+                return Err(VqError::Stream { book: name, found, expected, rows });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_indices(&self) -> Result<(), VqError> {
+        let (header, rows) = (&self.header, &self.header.rows);
+        let targets = [
+            (1, "P1", rows.p1),
+            (3, "C", rows.c),
+            (4, "I1", rows.i1),
+            (5, "P2", rows.p2),
+            (6, "M", rows.m),
+            (7, "P3", rows.p3),
+        ];
+        let shapes = header.shapes();
+        for (book, target, target_rows) in targets {
+            self.check_book(book, &shapes[book], 0, target, target_rows)?;
+        }
+        self.check_book(5, &shapes[5], index_bits(rows.p2), "I2", rows.i2)?;
+        for (at, shape) in header.texture_shapes().enumerate() {
+            self.check_book(shapes.len() + at, &shape, 0, "P4", rows.p4)?;
+        }
+        Ok(())
+    }
+
+    fn check_book(
+        &self,
+        stream: usize,
+        shape: &Shape,
+        shift: u32,
+        target: &'static str,
+        rows: usize,
+    ) -> Result<(), VqError> {
+        // An index of so many bits can only be too large if the rows are no power of two.
+        let mask = (1_u64 << index_bits(rows)) - 1;
+        let entries = PackedEntries::new(self.stream(stream), shape.entry_bits);
+        let bad = (0..shape.rows * shape.len)
+            .map(|at| (at, (entries.get(at) >> shift) & mask))
+            .find(|(_, index)| *index >= rows as u64);
+        match bad {
+            Some((at, index)) => Err(VqError::Index {
+                book: shape.name,
+                row: at / shape.len,
+                index: u32::try_from(index).unwrap_or(u32::MAX),
+                target,
+                rows,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Packs books. Every scale loses what its bits cannot hold.
+    ///
+    /// # Errors
+    ///
+    /// [`VqError::Header`] where a book is empty or an entry would need more than 56 bits.
+    pub fn pack(books: &Books, materials: &[Material], bits: ScaleBits) -> Result<Self, VqError> {
+        let quantise = |width: u32, values: &[f32]| {
+            let law = if bits.always_log { Quantiser::logarithmic } else { Quantiser::for_scales };
+            law(width, values)
+        };
+        let column = |c: usize| {
+            Quantiser::linear(8, books.c.values.iter().skip(c).step_by(2).copied())
+        };
+        let header = Header {
+            grid: books.grid,
+            encoding: books.encoding,
+            chroma: books.chroma,
+            rows: rows_of(books),
+            p1: Quantiser::linear(bits.p1, books.p1.values.iter().copied()),
+            c: [column(0), column(1)],
+            p2: quantise(bits.p2, &books.p2.scale),
+            p3: quantise(bits.p3, &books.p3.scale),
+            p4: quantise(bits.p4, &books.p4.scale),
+            materials: materials
+                .iter()
+                .map(|material| MaterialHeader {
+                    name: material.name.clone(),
+                    width: material.width,
+                    height: material.height,
+                    cosine_included: material.cosine_included,
+                    levels: material.levels.len(),
+                    scale: quantise(bits.p6, &all_scales(material)),
+                })
+                .collect(),
+        };
+        header.check()?;
+        let streams = pack_streams(&header, books, materials);
+        let mut bytes = Vec::new();
+        let mut ranges = Vec::new();
+        for stream in streams {
+            ranges.push(bytes.len()..bytes.len() + stream.len());
+            bytes.extend(stream);
+        }
+        Self::new(header, Arc::new(bytes), ranges)
+    }
+
+    /// What the streams mean.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// A stream, by its place in [`Header::stream_names`].
+    pub fn stream(&self, at: usize) -> &[u8] {
+        let bytes: &[u8] = (*self.bytes).as_ref();
+        self.ranges.get(at).and_then(|range| bytes.get(range.clone())).unwrap_or_default()
+    }
+
+    /// Bytes of each stream, with its name, without headers.
+    pub fn stream_bytes(&self) -> Vec<(String, usize)> {
+        let names = self.header.stream_names();
+        names.into_iter().enumerate().map(|(at, name)| (name, self.stream(at).len())).collect()
+    }
+
+    /// The books and textures with the values that their bits hold.
+    pub fn unpack(&self) -> (Books, Vec<Material>) {
+        let Header { grid, rows, .. } = self.header;
+        let mut books = Books::new(grid, self.header.encoding, self.header.chroma);
+        let header = &self.header;
+        books.p1.values = self.values(0, rows.p1 * grid.betas, |_| &header.p1);
+        books.c.values = self.values(2, rows.c * 2, |at| &header.c[at % 2]);
+        let scaled = |book: &mut IndexBook, stream, entries, target, scale: &Quantiser| {
+            (book.index, book.scale) = self.scaled(stream, entries, target, scale);
+        };
+        scaled(&mut books.p2, 1, rows.p2 * grid.alphas, rows.p1, &header.p2);
+        scaled(&mut books.p3, 6, rows.p3 * grid.thetas, rows.m, &header.p3);
+        scaled(&mut books.p4, 7, rows.p4 * grid.phis, rows.p3, &header.p4);
+        books.i1.index = self.plain(3, rows.i1 * grid.betas, index_bits(rows.c));
+        books.i2.index = self.plain(4, rows.i2 * grid.alphas, index_bits(rows.i1));
+        let low = index_bits(rows.p2);
+        let entries = PackedEntries::new(self.stream(5), low + index_bits(rows.i2));
+        books.m.index = (0..rows.m)
+            .map(|at| entries.get(at))
+            .flat_map(|entry| [low_bits(entry, low), low_bits(entry >> low, 32)])
+            .collect();
+        let mut stream = header.shapes().len();
+        let materials = header.materials.iter().map(|material| {
+            let levels = (0..material.levels).map(|level| {
+                let (width, height) = level_size(material.width, material.height, level);
+                let (index, scale) =
+                    self.scaled(stream + level, width * height, rows.p4, &material.scale);
+                IndexBook { len: 1, index, scale }
+            });
+            let levels: Vec<IndexBook> = levels.collect();
+            stream += material.levels;
+            Material {
+                name: material.name.clone(),
+                width: material.width,
+                height: material.height,
+                cosine_included: material.cosine_included,
+                levels,
+            }
+        });
+        let materials = materials.collect();
+        (books, materials)
+    }
+
+    fn values<'a>(
+        &self,
+        stream: usize,
+        count: usize,
+        quantiser: impl Fn(usize) -> &'a Quantiser,
+    ) -> Vec<f32> {
+        let entries = PackedEntries::new(self.stream(stream), quantiser(0).bits);
+        (0..count).map(|at| quantiser(at).decode(low_bits(entries.get(at), 32))).collect()
+    }
+
+    fn plain(&self, stream: usize, count: usize, bits: u32) -> Vec<u32> {
+        let entries = PackedEntries::new(self.stream(stream), bits);
+        (0..count).map(|at| low_bits(entries.get(at), 32)).collect()
+    }
+
+    fn scaled(
+        &self,
+        stream: usize,
+        count: usize,
+        target: usize,
+        scale: &Quantiser,
+    ) -> (Vec<u32>, Vec<f32>) {
+        let bits = index_bits(target);
+        let entries = PackedEntries::new(self.stream(stream), bits + scale.bits);
+        let table = scale.table();
+        (0..count)
+            .map(|at| entries.get(at))
+            .map(|e| (low_bits(e, bits), table[low_bits(e >> bits, 32) as usize]))
+            .unzip()
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "masked to at most 32 bits")]
+fn low_bits(entry: u64, bits: u32) -> u32 {
+    (entry & ((1_u64 << bits) - 1)) as u32
+}
+
+fn rows_of(books: &Books) -> Rows {
+    Rows {
+        p1: books.p1.rows(),
+        p2: books.p2.rows(),
+        c: books.c.rows(),
+        i1: books.i1.rows(),
+        i2: books.i2.rows(),
+        m: books.m.rows(),
+        p3: books.p3.rows(),
+        p4: books.p4.rows(),
+    }
+}
+
+fn all_scales(material: &Material) -> Vec<f32> {
+    material.levels.iter().flat_map(|level| level.scale.iter().copied()).collect()
+}
+
+fn pack_streams(header: &Header, books: &Books, materials: &[Material]) -> Vec<Vec<u8>> {
+    let rows = &header.rows;
+    let values = |book: &ValueBook, q: &dyn Fn(usize) -> Quantiser| {
+        let codes = book.values.iter().enumerate().map(|(at, v)| u64::from(q(at).encode(*v)));
+        pack(codes, q(0).bits)
+    };
+    let plain = |book: &IndexBook, target| {
+        pack(book.index.iter().map(|i| u64::from(*i)), index_bits(target))
+    };
+    let scaled = |book: &IndexBook, target, q: &Quantiser| {
+        let bits = index_bits(target);
+        let codes = book.scale.iter().map(|s| u64::from(q.encode(*s)) << bits);
+        pack(codes.zip(&book.index).map(|(s, i)| s | u64::from(*i)), bits + q.bits)
+    };
+    let low = index_bits(rows.p2);
+    let merged = books.m.index.chunks_exact(2);
+    let merged = merged.map(|pair| u64::from(pair[0]) | u64::from(pair[1]) << low);
+    let mut streams = vec![
+        values(&books.p1, &|_| header.p1),
+        scaled(&books.p2, rows.p1, &header.p2),
+        values(&books.c, &|at| header.c[at % 2]),
+        plain(&books.i1, rows.c),
+        plain(&books.i2, rows.i1),
+        pack(merged, low + index_bits(rows.i2)),
+        scaled(&books.p3, rows.m, &header.p3),
+        scaled(&books.p4, rows.p3, &header.p4),
+    ];
+    for (material, header) in materials.iter().zip(&header.materials) {
+        streams.extend(material.levels.iter().map(|l| scaled(l, rows.p4, &header.scale)));
+    }
+    streams
+}

@@ -1,0 +1,138 @@
+//! Scalar quantisation of scales and values.
+
+use serde::{Deserialize, Serialize};
+
+/// How codes are spaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// Equal steps from the least to the largest value.
+    Linear,
+    /// Equal ratios; code 0 is 0.
+    Log,
+}
+
+/// Codes of a few bits for the values of a book.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quantiser {
+    /// Bits of a code, 1 to 16.
+    pub bits: u32,
+    /// How they are spaced.
+    pub law: Law,
+    /// Least value (above 0, of a logarithmic one).
+    pub min: f32,
+    /// Largest value.
+    pub max: f32,
+}
+
+/// Ratio of the largest to the least value from which linear steps are too coarse for the small ones.
+const LINEAR_RANGE: f32 = 64.0;
+
+impl Quantiser {
+    /// Linear steps, as in the paper, or logarithmic ones where values differ by more than a factor of
+    /// 64.
+    pub fn for_scales(bits: u32, scales: &[f32]) -> Self {
+        let (min, max) = range(scales.iter().copied().filter(|s| *s > 0.0));
+        let has_zero = scales.contains(&0.0);
+        if max > LINEAR_RANGE * min || (has_zero && scales.iter().all(|s| *s <= 0.0)) {
+            Self { bits, law: Law::Log, min, max }
+        } else {
+            Self { bits, law: Law::Linear, min: if has_zero { 0.0 } else { min }, max }
+        }
+    }
+
+    /// Logarithmic steps.
+    pub fn logarithmic(bits: u32, scales: &[f32]) -> Self {
+        let (min, max) = range(scales.iter().copied().filter(|s| *s > 0.0));
+        Self { bits, law: Law::Log, min, max }
+    }
+
+    /// Linear steps.
+    pub fn linear(bits: u32, values: impl Iterator<Item = f32>) -> Self {
+        let (min, max) = range(values);
+        Self { bits, law: Law::Linear, min, max }
+    }
+
+    fn top(&self) -> u32 {
+        (1 << self.bits) - 1
+    }
+
+    /// The nearest code.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "clamped to codes of at most 16 bits"
+    )]
+    pub fn encode(&self, value: f32) -> u32 {
+        let (position, first) = match self.law {
+            _ if self.max <= self.min => (0.0, u32::from(self.law == Law::Log)),
+            Law::Linear => ((value - self.min) / (self.max - self.min), 0),
+            Law::Log => ((value / self.min).ln() / (self.max / self.min).ln(), 1),
+        };
+        if self.law == Law::Log && value <= 0.0 {
+            return 0;
+        }
+        let steps = (self.top() - first) as f32;
+        first + (position.clamp(0.0, 1.0) * steps).round() as u32
+    }
+
+    /// The value of a code.
+    #[expect(clippy::cast_precision_loss, reason = "codes have at most 16 bits")]
+    pub fn decode(&self, code: u32) -> f32 {
+        match self.law {
+            Law::Linear => {
+                self.min + (self.max - self.min) * code.min(self.top()) as f32 / self.top() as f32
+            }
+            Law::Log if code == 0 => 0.0,
+            Law::Log => {
+                let steps = (self.top() - 1).max(1) as f32;
+                self.min * (self.max / self.min).powf((code.min(self.top()) - 1) as f32 / steps)
+            }
+        }
+    }
+
+    /// The values of all codes.
+    pub fn table(&self) -> Vec<f32> {
+        (0..=self.top()).map(|code| self.decode(code)).collect()
+    }
+
+    /// Whether a header's quantiser can be used.
+    pub(crate) fn is_sound(&self) -> bool {
+        let is_finite = self.min.is_finite() && self.max.is_finite() && self.max >= self.min;
+        (1..=16).contains(&self.bits) && is_finite && (self.law == Law::Linear || self.min > 0.0)
+    }
+}
+
+/// Least and largest value; 1 and 1 of none.
+fn range(values: impl Iterator<Item = f32>) -> (f32, f32) {
+    let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), v| {
+        (min.min(v), max.max(v))
+    });
+    if min <= max { (min, max) } else { (1.0, 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_is_its_own_nearest() {
+        for law in [Law::Linear, Law::Log] {
+            for bits in [1, 5, 8, 16] {
+                let quantiser = Quantiser { bits, law, min: 0.01, max: 3.0 };
+                for code in 0..(1_u32 << bits).min(700) {
+                    assert_eq!(quantiser.encode(quantiser.decode(code)), code, "{law:?} {bits}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn zero_stays_zero() {
+        for scales in [vec![0.0, 0.5, 0.7], vec![0.0, 1e-4, 0.7], vec![0.0]] {
+            let quantiser = Quantiser::for_scales(8, &scales);
+            assert!(quantiser.decode(quantiser.encode(0.0)).abs() < 1e-12, "{scales:?}");
+        }
+    }
+}

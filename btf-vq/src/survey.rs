@@ -1,0 +1,233 @@
+//! All texels by a few coefficients each: what choosing exemplars well needs.
+//!
+//! Resampled texels would be gigabytes; the directions in which they differ most are found on a
+//! sample, and every texel is kept as its coefficients there. Squared errors of coefficients are
+//! those of images, as far as the subspace reaches.
+
+use rayon::prelude::*;
+
+use crate::colour::RGB_WEIGHTS;
+use crate::nearest::dot;
+use crate::subspace::Subspace;
+use crate::{AngularGrid, BtfSource, Encoding, Resampler, VqError};
+
+/// Texels of the sample that are read together.
+const RUN: usize = 8;
+
+/// A set of texels that are compressed together.
+#[derive(Clone, Copy)]
+pub struct TexelSet<'a> {
+    /// Their values.
+    pub source: &'a dyn BtfSource,
+    /// How they come to the grid.
+    pub resampler: &'a Resampler,
+}
+
+impl std::fmt::Debug for TexelSet<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TexelSet").field("resampler", &self.resampler).finish_non_exhaustive()
+    }
+}
+
+impl TexelSet<'_> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.source.layout().texel_count()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Texels in a subspace of `[channel][node]`, where squared lengths weigh nodes as images read them
+/// and channels as RGB has them.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    pub(crate) grid: AngularGrid,
+    pub(crate) encoding: Encoding,
+    /// Square roots of the weights, `[channel][node]`.
+    pub(crate) root_weights: Vec<f32>,
+    pub(crate) space: Subspace,
+    /// `[texel][dim]`, set after set.
+    pub(crate) coefficients: Vec<f32>,
+    /// Squared length of each texel, also that outside the subspace.
+    pub(crate) energies: Vec<f32>,
+    /// Nodes whose luma interpolation made negative.
+    pub clamped: u64,
+}
+
+/// How finely a survey looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurveyParams {
+    /// Dimensions of the subspace.
+    pub dims: usize,
+    /// Texels that it is found on.
+    pub sample: usize,
+}
+
+impl Default for SurveyParams {
+    /// 192 dimensions hold all but a few thousandths of the energy of the materials tried; more cost
+    /// time and change no choice.
+    fn default() -> Self {
+        Self { dims: 192, sample: 2048 }
+    }
+}
+
+impl Survey {
+    /// Surveys sets of one grid and encoding. `progress` hears how many texels are done, out of all.
+    ///
+    /// # Errors
+    ///
+    /// [`VqError::Source`], [`VqError::NotFinite`]; [`VqError::Mixed`] where grids or encodings differ.
+    ///
+    /// # Panics
+    ///
+    /// If there are no sets.
+    pub fn of(
+        sets: &[TexelSet<'_>],
+        params: SurveyParams,
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Result<Self, VqError> {
+        check_alike(sets)?;
+        let first = &sets[0];
+        let grid = *first.resampler.grid();
+        let encoding = first.source.layout().encoding;
+        let root_weights = root_weights(sets, encoding);
+        let prepare = |values: &mut [f32]| prepare(values, encoding, &root_weights);
+        let sample = sample(sets, params.sample, &prepare)?;
+        let space = Subspace::of(&sample, 3 * grid.node_count(), params.dims);
+        drop(sample);
+        let (mut coefficients, mut energies, mut clamped) = (Vec::new(), Vec::new(), 0);
+        for set in sets {
+            let (blocks, negative) =
+                set.resampler.map_blocks(set.source, 0..set.len(), |texels, values| {
+                    prepare(values);
+                    let mut projected = vec![0.0; texels.len() * space.dims];
+                    space.project_block(values, &mut projected);
+                    let energies: Vec<f32> =
+                        values.chunks_exact(space.len).map(|v| dot(v, v)).collect();
+                    progress(texels.len());
+                    (projected, energies)
+                })?;
+            clamped += negative;
+            for (projected, energy) in blocks {
+                coefficients.extend(projected);
+                energies.extend(energy);
+            }
+        }
+        Ok(Self { grid, encoding, root_weights, space, coefficients, energies, clamped })
+    }
+
+    /// Texels of all sets.
+    pub fn texels(&self) -> usize {
+        self.energies.len()
+    }
+
+    /// Share of the energy that the subspace misses.
+    pub fn missed(&self) -> f64 {
+        let total: f64 = self.energies.iter().map(|e| f64::from(*e)).sum();
+        let held: f64 = self.coefficients.iter().map(|c| f64::from(c * c)).sum();
+        if total > 0.0 { (1.0 - held / total).max(0.0) } else { 0.0 }
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "a mean")]
+    /// How much each texel counts: all alike, or, of linear radiance, dark ones as much as bright ones.
+    pub(crate) fn texel_weights(&self) -> Vec<f32> {
+        let mean = self.energies.iter().sum::<f32>() / self.texels().max(1) as f32;
+        match self.encoding {
+            Encoding::Srgb => vec![1.0; self.texels()],
+            Encoding::Linear => {
+                self.energies.iter().map(|e| 1.0 / (e + 1e-4 * mean + f32::MIN_POSITIVE)).collect()
+            }
+        }
+    }
+}
+
+fn check_alike(sets: &[TexelSet<'_>]) -> Result<(), VqError> {
+    let (grid, encoding) = (sets[0].resampler.grid(), sets[0].source.layout().encoding);
+    for set in sets {
+        let layout = set.source.layout();
+        if layout.encoding != encoding {
+            return Err(VqError::Mixed {
+                what: "encodings",
+                found: format!("{:?}", layout.encoding),
+                expected: format!("{encoding:?}"),
+            });
+        }
+        if set.resampler.grid() != grid {
+            return Err(VqError::Mixed {
+                what: "grids",
+                found: format!("{:?}", set.resampler.grid()),
+                expected: format!("{grid:?}"),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Mean weights of the sets' nodes, times those of channels, as roots.
+fn root_weights(sets: &[TexelSet<'_>], encoding: Encoding) -> Vec<f32> {
+    let mut nodes = vec![0.0; sets[0].resampler.grid().node_count()];
+    for set in sets {
+        let weights = set.resampler.node_weights(set.source.layout());
+        nodes.iter_mut().zip(weights).for_each(|(sum, w)| *sum += w / sets.len() as f32);
+    }
+    let channels = channel_weights(encoding);
+    channels.iter().flat_map(|c| nodes.iter().map(move |n| (c * n).sqrt())).collect()
+}
+
+/// What a squared error of luminance and of each chrominance counts for.
+pub(crate) fn channel_weights(encoding: Encoding) -> [f32; 3] {
+    match encoding {
+        Encoding::Srgb => RGB_WEIGHTS,
+        // Of Y, Y u′ and Y v′: about what a step of each does to linear RGB near white.
+        Encoding::Linear => [1.0, 4.0, 4.0],
+    }
+}
+
+/// Values as they are compared: chromaticities of linear radiance times luminance, all weighted.
+fn prepare(values: &mut [f32], encoding: Encoding, root_weights: &[f32]) {
+    let nodes = root_weights.len() / 3;
+    for texel in values.chunks_exact_mut(root_weights.len()) {
+        if encoding == Encoding::Linear {
+            let (luma, chroma) = texel.split_at_mut(nodes);
+            for channel in chroma.chunks_exact_mut(nodes) {
+                channel.iter_mut().zip(&*luma).for_each(|(c, y)| *c *= y);
+            }
+        }
+        texel.iter_mut().zip(root_weights).for_each(|(v, w)| *v *= w);
+    }
+}
+
+/// Short runs of texels, spread evenly over all sets.
+fn sample(
+    sets: &[TexelSet<'_>],
+    count: usize,
+    prepare: &(dyn Fn(&mut [f32]) + Sync),
+) -> Result<Vec<f32>, VqError> {
+    let total: usize = sets.iter().map(TexelSet::len).sum();
+    let runs = (count / RUN).clamp(1, total.div_ceil(RUN));
+    let mut values = Vec::new();
+    let mut before = 0;
+    for set in sets {
+        let starts: Vec<usize> = (0..runs)
+            .map(|run| (2 * run + 1) * total / (2 * runs))
+            .filter(|start| (before..before + set.len()).contains(start))
+            .map(|start| (start - before) / RUN * RUN)
+            .collect();
+        before += set.len();
+        let read: Result<Vec<Vec<f32>>, VqError> = starts
+            .into_par_iter()
+            .map(|start| {
+                let texels = start..set.len().min(start + RUN);
+                let keep = |_, block: &mut [f32]| block.to_vec();
+                Ok(set.resampler.map_blocks(set.source, texels, keep)?.0.concat())
+            })
+            .collect();
+        values.extend(read?.concat());
+    }
+    prepare(&mut values);
+    Ok(values)
+}
