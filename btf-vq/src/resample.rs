@@ -226,7 +226,9 @@ impl Resampler {
             let last = (columns - 1) * nodes + (view + 1) * slice;
             let target = &mut out[view * slice..last];
             matmul(
-                MatMut::from_row_major_slice_with_stride_mut(target, columns, slice, nodes),
+                // The transpose of columns, since faer 0.24 swaps the strides of strided rows.
+                MatMut::from_column_major_slice_with_stride_mut(target, slice, columns, nodes)
+                    .transpose_mut(),
                 Accum::Replace,
                 MatRef::from_row_major_slice(lit, self.light_count, columns).transpose(),
                 MatRef::from_row_major_slice(matrix, slice, self.light_count).transpose(),
