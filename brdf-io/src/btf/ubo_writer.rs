@@ -158,3 +158,51 @@ fn jpeg_bytes(rgb: &[u8], [width, height]: [u16; 2]) -> Result<Vec<u8>, FormatEr
         .map_err(|error| FormatError::Library { what: "JPEG", problem: error.to_string() })?;
     Ok(bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(place: &Path, force: bool) -> Result<WrittenImages, IoError> {
+        let mut writer = UboWriter::new(place, 8, 4, force)?;
+        let table = ubo_directions();
+        let images: Vec<f32> = (0..LIGHT_COUNT)
+            .flat_map(|light| [if light == 0 { 1.5 } else { 0.25 }; 8 * 4 * 3])
+            .collect();
+        for view in [0, table.len() - 1] {
+            writer.write_view(view, &images)?;
+        }
+        let counts = writer.written();
+        writer.finish("{\n  \"brdf\": \"0\"\n}")?;
+        Ok(counts)
+    }
+
+    #[test]
+    fn names_and_values_are_those_of_the_layout() {
+        let root = tempfile::tempdir().unwrap();
+        let place = root.path().join("wool");
+        let counts = written(&place, false).unwrap();
+        assert_eq!((counts.images, counts.clipped), (162, 2 * 8 * 4 * 3));
+        assert!((counts.clipped_share() - 1.0 / 81.0).abs() < 1e-12);
+        let path = place.join("tv075_pv345").join("00019 tl045 pl000 tv075 pv345.jpg");
+        let image = image::open(path).unwrap().into_rgb8();
+        assert_eq!(image.dimensions(), (8, 4));
+        // .25 encodes to 137.
+        assert!(image.pixels().all(|pixel| pixel.0.iter().all(|v| v.abs_diff(137) < 2)));
+    }
+
+    #[test]
+    fn a_folder_with_other_files_in_a_view_is_left_alone() {
+        let root = tempfile::tempdir().unwrap();
+        let place = root.path().join("wool");
+        written(&place, false).unwrap();
+        written(&place, false).unwrap();
+        let mine = place.join("tv000_pv000").join("mine.jpg");
+        fs::write(&mine, "mine").unwrap();
+        let refused = written(&place, false).unwrap_err();
+        assert!(matches!(refused, IoError::InTheWay { .. }), "{refused}");
+        assert_eq!(fs::read_to_string(&mine).unwrap(), "mine");
+        let left = fs::read_dir(root.path()).unwrap().count();
+        assert_eq!(left, 1, "nothing temporary is left behind");
+    }
+}
