@@ -10,6 +10,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use brdf_io::png_bytes;
+use brdf_render::DisplayImage;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -535,6 +537,73 @@ fn wrong_usage_exits_with_2() {
         fail(root.path(), arguments, 2);
     }
     assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0, "nothing was written");
+}
+
+/// A small picture of a ramp along x.
+fn place_map(folder: &Path, name: &str, side: usize, colour: [u8; 3]) {
+    let mut picture = DisplayImage::filled(side, side, colour);
+    for row in 0..side {
+        picture.set(0, row, colour.map(|value| value / 2));
+    }
+    fs::write(folder.join(name), png_bytes(&picture).unwrap()).unwrap();
+}
+
+#[test]
+fn maps_of_any_sizes_become_a_btf() {
+    let root = TempDir::new().unwrap();
+    place_map(root.path(), "height.png", 6, [200; 3]);
+    place_map(root.path(), "normal.png", 8, [128, 128, 255]);
+    place_map(root.path(), "albedo.png", 5, [255, 128, 0]);
+    let quick = ["--size", "4", "--samples", "1", "--bounce-rays", "2", "-o", "wool", "--json"];
+    let synth = |arguments: &[&str]| {
+        let start = ["btf", "synth", "--albedo", "albedo.png"];
+        json(&succeed(root.path(), &[&start[..], &quick[..], arguments].concat()))
+    };
+    let report = synth(&["--height", "height.png", "--height-scale", "0.2"]);
+    assert_eq!((&report["images"], &report["size"]), (&Value::from(6561), &Value::from(4)));
+    let range = [0, 1].map(|end| report["height_range"][end].as_f64().unwrap());
+    assert!(range[0] < -0.05 && range[1] > 0.03 && range[1] - range[0] < 0.2, "{range:?}");
+    assert!(report["seconds"].as_f64().unwrap() > 0.0);
+    assert!((0.0..0.1).contains(&report["clipped"].as_f64().unwrap()));
+    let image = root.path().join("wool/tv075_pv345/00080 tl075 pl345 tv075 pv345.jpg");
+    assert!(image.exists());
+    synth(&["--normal", "normal.png", "--roughness", "albedo.png", "--roughness-channel", "r"]);
+
+    fs::write(root.path().join("wool/notes.txt"), "mine").unwrap();
+    let again = ["btf", "synth", "--albedo", "albedo.png", "--height", "height.png"];
+    let message = fail(root.path(), &[&again[..], &quick[..]].concat(), 1);
+    assert!(message.contains("wool") && message.contains("--force"), "{message}");
+    synth(&["--height", "height.png", "--force"]);
+    assert_eq!(fs::read_to_string(root.path().join("wool/notes.txt")).unwrap(), "mine");
+}
+
+#[test]
+fn maps_that_make_no_surface_get_one_clear_line() {
+    let root = TempDir::new().unwrap();
+    place_map(root.path(), "map.png", 4, [128; 3]);
+    fs::write(root.path().join("words.png"), "no image").unwrap();
+    let synth = |arguments: &[&str], code: i32| {
+        fail(root.path(), &[&["btf", "synth"], arguments].concat(), code)
+    };
+    let albedo = ["--albedo", "map.png"];
+    for (arguments, words) in [
+        (&["--height", "words.png"][..], ["words.png", "PNG or JPEG"]),
+        (&["--height", "none.png"], ["none.png", "opening"]),
+        (&["--height", "map.png", "--roughness", "none.png"], ["none.png", "opening"]),
+    ] {
+        let message = synth(&[&albedo[..], arguments].concat(), 1);
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+    for arguments in [
+        &[][..],
+        &["--height", "map.png", "--size", "0"],
+        &["--height", "map.png", "--height-scale", "NaN"],
+        &["--height", "map.png", "--roughness", "NaN"],
+        &["--height", "map.png", "--samples", "0"],
+    ] {
+        synth(&[&albedo[..], arguments].concat(), 2);
+    }
+    assert!(!root.path().join("btf").exists(), "nothing half-written");
 }
 
 #[test]

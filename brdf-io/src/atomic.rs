@@ -126,6 +126,33 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// Creates a folder within the folder and returns where it stands until
+    /// [`OutputFolder::finish`].
+    ///
+    /// # Errors
+    ///
+    /// [`IoError::File`].
+    pub fn create_folder(&mut self, name: &str) -> Result<PathBuf, IoError> {
+        let path = self.temporary.path().join(name);
+        fs::create_dir(&path).map_err(IoError::file(&self.place.join(name), "creating"))?;
+        self.names.push(name.to_owned());
+        Ok(path)
+    }
+
+    /// Whether the disk has room for this many more bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`IoError::DiskFull`] if it has not. A file system that does not tell is taken to have room.
+    pub fn check_space(&self, needed: u64) -> Result<(), IoError> {
+        match fs4::available_space(self.temporary.path()) {
+            Ok(available) if available < needed => {
+                Err(IoError::DiskFull { path: self.place.clone(), needed, available })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Puts the folder in its place and returns that. Where a folder of ours stood, it is
     /// replaced; files that we did not write stay, unless one of ours has the same name.
     ///
@@ -148,7 +175,12 @@ impl OutputFolder {
             fs::remove_dir_all(&old).map_err(refused("removing the old"))?;
         } else {
             for stale in our_entries(place)? {
-                fs::remove_file(&stale).map_err(refused("removing the old"))?;
+                let removed = if stale.is_dir() {
+                    fs::remove_dir_all(&stale)
+                } else {
+                    fs::remove_file(&stale)
+                };
+                removed.map_err(refused("removing the old"))?;
             }
             for name in &self.names {
                 fs::rename(self.temporary.path().join(name), place.join(name))
@@ -176,11 +208,36 @@ fn entries(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), IoError> {
     let all: Result<Vec<PathBuf>, _> =
         fs::read_dir(folder).map_err(refused())?.map(|entry| entry.map(|e| e.path())).collect();
     let all = all.map_err(refused())?;
-    Ok(all.into_iter().partition(|path| marked && is_our_name(path)))
+    Ok(all.into_iter().partition(|path| marked && is_ours_in_folder(path)))
+}
+
+/// A file with a name of ours, or a view of a BTF that holds nothing but its images.
+fn is_ours_in_folder(path: &Path) -> bool {
+    let is_folder = fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_dir());
+    if !is_folder {
+        return is_our_name(path);
+    }
+    let mut pattern = file_name(path).chars().map(as_pattern).eq("tv000_pv000".chars());
+    let entries = fs::read_dir(path)
+        .map(|entries| entries.map(|entry| entry.map(|e| e.path())).collect::<Result<Vec<_>, _>>());
+    if let Ok(Ok(entries)) = entries {
+        let image = "00000 tl000 pl000 tv000 pv000.jpg";
+        pattern &= entries.iter().all(|e| file_name(e).chars().map(as_pattern).eq(image.chars()));
+    }
+    pattern
+}
+
+/// All digits look alike.
+fn as_pattern(character: char) -> char {
+    if character.is_ascii_digit() { '0' } else { character }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn is_our_name(path: &Path) -> bool {
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = file_name(path);
     let is_numbered = ["factor-", "first-", "second-", "slices-"].iter().any(|prefix| {
         name.strip_prefix(prefix).and_then(|rest| rest.rsplit_once('.')).is_some_and(
             |(number, kind)| number.parse::<u32>().is_ok() && ["exr", "png", "svg"].contains(&kind),

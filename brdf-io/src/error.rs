@@ -141,6 +141,19 @@ pub enum IoError {
         /// What stands there.
         found: &'static str,
     },
+    /// The disk has too little room.
+    #[error(
+        "{}: {} MB are free on the disk; about {} MB are needed",
+        path.display(), available / 1_000_000, needed / 1_000_000
+    )]
+    DiskFull {
+        /// What was to be written.
+        path: PathBuf,
+        /// Bytes that it takes.
+        needed: u64,
+        /// Bytes that are free.
+        available: u64,
+    },
     /// The content is wrong.
     #[error("{}: {problem}", path.display())]
     Format {

@@ -134,7 +134,7 @@ impl ToneMap {
 }
 
 /// The sRGB transfer function (IEC 61966-2-1) of a linear value; clipped to [0, 1].
-pub(crate) fn encode_srgb(linear: f64) -> f64 {
+pub fn encode_srgb(linear: f64) -> f64 {
     let v = linear.clamp(0.0, 1.0);
     if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }

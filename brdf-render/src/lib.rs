@@ -22,7 +22,7 @@ mod sphere;
 mod strip;
 mod texture_view;
 
-pub use display::{DisplayImage, ToneMap};
+pub use display::{DisplayImage, ToneMap, encode_srgb};
 pub use film::{Film, Pixel};
 pub use image_error::{
     ImageErrors, PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, image_errors, psnr_db,
