@@ -25,8 +25,8 @@ mod texture_view;
 pub use display::{DisplayImage, ToneMap};
 pub use film::{Film, Pixel};
 pub use image_error::{
-    ImageErrors, PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, image_errors, psnr_db,
-    ssim_map,
+    ImageErrors, PIXELS_PER_DEGREE, Planes, SsimWorkspace, delta_e_itp_map, flip_map, image_errors,
+    psnr_db, ssim_map,
 };
 pub use light::{DirectionalLight, Environment, EnvironmentError, Light};
 pub use separable_view::{Side, term_view};
