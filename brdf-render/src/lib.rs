@@ -1,5 +1,6 @@
-//! Pictures of BRDFs: spheres under a directional light or a lat-long environment, tone mapping
-//! that is stated, differences, and captioned strips.
+//! Pictures of BRDFs and of materials that vary over a texture: spheres, planes and cylinders under
+//! a directional light or a lat-long environment, tone mapping that is stated, differences, and
+//! captioned strips.
 //!
 //! ```
 //! use brdf_model::Preset;
@@ -18,18 +19,24 @@ mod film;
 mod image_error;
 mod light;
 mod separable_view;
+mod shape;
+mod spatially_varying;
 mod sphere;
 mod strip;
 mod texture_view;
+mod textured;
 
 pub use display::{DisplayImage, ToneMap, encode_srgb};
 pub use film::{Film, Pixel};
 pub use image_error::{
-    ImageErrors, PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, image_errors, psnr_db,
-    ssim_map,
+    ImageErrors, PIXELS_PER_DEGREE, Planes, SsimWorkspace, delta_e_itp_map, flip_map, image_errors,
+    psnr_db, ssim_map,
 };
 pub use light::{DirectionalLight, Environment, EnvironmentError, Light};
 pub use separable_view::{Side, term_view};
+pub use shape::Shape;
+pub use spatially_varying::{SpatiallyVarying, TexturePoint, Uniform};
 pub use sphere::{SphereView, render_sphere};
 pub use strip::{Panel, difference, strip};
 pub use texture_view::{MASKED_OUT, texture_view};
+pub use textured::{TexturedView, render_textured};

@@ -27,11 +27,11 @@ impl Default for SphereView {
 }
 
 /// Radius of the sphere in half frames.
-const RADIUS: f64 = 0.96;
+pub(crate) const RADIUS: f64 = 0.96;
 /// Share of the light on a pixel from directions without data above which the pixel has none.
 const MOST_UNKNOWN: f64 = 0.1;
 /// Points along each side of a pixel under a directional light.
-const SUPERSAMPLING: u32 = 3;
+pub(crate) const SUPERSAMPLING: u32 = 3;
 
 /// Renders a sphere. The same view and light give the same random numbers for every material, so
 /// that differences show the materials.
@@ -57,10 +57,10 @@ pub fn render_sphere(brdf: &dyn Brdf, light: &Light, view: &SphereView) -> Film 
 }
 
 /// The surface frame at a point of the visible hemisphere: east, north, normal.
-struct Frame {
-    tangent: DVec3,
-    bitangent: DVec3,
-    normal: DVec3,
+pub(crate) struct Frame {
+    pub(crate) tangent: DVec3,
+    pub(crate) bitangent: DVec3,
+    pub(crate) normal: DVec3,
 }
 
 impl Frame {
@@ -74,11 +74,11 @@ impl Frame {
         Some(Self { tangent, bitangent: normal.cross(tangent), normal })
     }
 
-    fn to_local(&self, w: DVec3) -> DVec3 {
+    pub(crate) fn to_local(&self, w: DVec3) -> DVec3 {
         DVec3::new(w.dot(self.tangent), w.dot(self.bitangent), w.dot(self.normal))
     }
 
-    fn to_world(&self, w: DVec3) -> DVec3 {
+    pub(crate) fn to_world(&self, w: DVec3) -> DVec3 {
         w.x * self.tangent + w.y * self.bitangent + w.z * self.normal
     }
 }
@@ -201,21 +201,21 @@ fn coverage(size: usize, column: usize, row: usize) -> f64 {
 }
 
 /// Directions mirrored about half vectors that cluster around the normal.
-struct HalfLobe {
-    wo: DVec3,
+pub(crate) struct HalfLobe {
+    pub(crate) wo: DVec3,
 }
 
 impl HalfLobe {
     /// Exponent of the half vector's cosine: broad enough for satin, narrow enough for gloss.
     const EXPONENT: f64 = 60.0;
 
-    fn sample(&self, u: f64, v: f64) -> DVec3 {
+    pub(crate) fn sample(&self, u: f64, v: f64) -> DVec3 {
         let cosine = u.powf(1.0 / (Self::EXPONENT + 1.0));
         let half = spherical_direction(cosine.acos(), TAU * v);
         2.0 * self.wo.dot(half) * half - self.wo
     }
 
-    fn density(&self, wi: DVec3) -> f64 {
+    pub(crate) fn density(&self, wi: DVec3) -> f64 {
         let half = (wi + self.wo).normalize_or(DVec3::Z);
         let cosine = self.wo.dot(half).abs().max(1e-6);
         (Self::EXPONENT + 1.0) / TAU * half.z.max(0.0).powf(Self::EXPONENT) / (4.0 * cosine)

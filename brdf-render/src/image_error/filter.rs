@@ -56,7 +56,8 @@ fn taps(
     })
 }
 
-fn mirrored(place: usize, radius: usize, count: usize) -> usize {
+/// The place under tap `place − radius` of a mirrored line.
+pub(super) fn mirrored(place: usize, radius: usize, count: usize) -> usize {
     let period = 2 * count;
     // Shifted by whole periods so that nothing is negative.
     let shifted = (place + period * (radius / period + 1) - radius) % period;

@@ -5,6 +5,7 @@
 //! display shows them; ΔE_ITP sees highlights up to 10,000 cd/m².
 
 mod delta_e_itp;
+mod fast_ssim;
 mod filter;
 mod flip;
 mod ssim;
@@ -12,6 +13,7 @@ mod ssim;
 use serde::{Deserialize, Serialize};
 
 pub use delta_e_itp::delta_e_itp_map;
+pub use fast_ssim::SsimWorkspace;
 pub use flip::{PIXELS_PER_DEGREE, flip_map};
 pub use ssim::ssim_map;
 

@@ -7,10 +7,10 @@
 use super::Planes;
 use super::filter::{Border, gaussian, separable};
 
-const SIGMA: f64 = 1.5;
-const RADIUS: u32 = 5;
-const C1: f64 = 0.01 * 0.01;
-const C2: f64 = 0.03 * 0.03;
+pub(super) const SIGMA: f64 = 1.5;
+pub(super) const RADIUS: u32 = 5;
+pub(super) const C1: f64 = 0.01 * 0.01;
+pub(super) const C2: f64 = 0.03 * 0.03;
 
 /// The similarity around each pixel of two sRGB-encoded pictures in [0, 1]; mirrored at the rim.
 /// Symmetric; 1 where equal.
