@@ -6,6 +6,7 @@
 
 mod alta;
 mod atomic;
+mod btf;
 mod bytes;
 mod container;
 mod cornell;
@@ -25,6 +26,10 @@ mod utia;
 
 pub use alta::read_alta;
 pub use atomic::{OutputFolder, Overwrite, write_atomically};
+pub use btf::{
+    Btf, BtfError, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection, open_btf,
+    parse_image_name,
+};
 pub use container::{
     Contained, FitRecord, FitSettings, ModelFile, RankRecord, SearchSettings, SeparableFile,
     SeparableRecord, SeparableSettings, TermRecord, model_to_bytes, read_container, record_of,
