@@ -7,6 +7,8 @@ use brdf_model::ModelError;
 use brdf_param::ParamError;
 use brdf_separable::SeparableError;
 
+use crate::btf::BtfError;
+
 /// A problem with the content of a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -162,9 +164,22 @@ pub enum IoError {
         /// What is wrong with it.
         problem: FormatError,
     },
+    /// A bidirectional texture function cannot be read.
+    #[error("{}: {problem}", path.display())]
+    Btf {
+        /// Which folder, archive or file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: Box<BtfError>,
+    },
 }
 
 impl IoError {
+    pub(crate) fn btf(path: &Path) -> impl FnOnce(BtfError) -> Self {
+        let path = path.to_owned();
+        move |problem| Self::Btf { path, problem: Box::new(problem) }
+    }
+
     pub(crate) fn file(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |problem| Self::File { path, action, problem }

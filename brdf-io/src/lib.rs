@@ -26,7 +26,10 @@ mod utia;
 
 pub use alta::read_alta;
 pub use atomic::{OutputFolder, Overwrite, write_atomically};
-pub use btf::{UboWriter, WrittenImages, read_albedo, read_map};
+pub use btf::{
+    Btf, BtfError, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection,
+    UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_map,
+};
 pub use container::{
     Contained, FitRecord, FitSettings, ModelFile, RankRecord, SearchSettings, SeparableFile,
     SeparableRecord, SeparableSettings, TermRecord, model_to_bytes, read_container, record_of,

@@ -84,6 +84,12 @@ impl Map {
         self.with(|value| low + high - value)
     }
 
+    /// Every value times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f32) -> Self {
+        self.with(|value| factor * value)
+    }
+
     /// Stretched and shifted so that the smallest value is 0 and the largest `span`. A constant
     /// map becomes 0.
     #[must_use]

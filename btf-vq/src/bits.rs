@@ -91,6 +91,9 @@ mod tests {
 
     #[test]
     fn a_single_row_needs_no_index() {
-        assert_eq!([0, 1, 2, 3, 4, 5, 790, 1024, 1025].map(index_bits), [0, 0, 1, 2, 2, 3, 10, 10, 11]);
+        assert_eq!(
+            [0, 1, 2, 3, 4, 5, 790, 1024, 1025].map(index_bits),
+            [0, 0, 1, 2, 2, 3, 10, 10, 11]
+        );
     }
 }

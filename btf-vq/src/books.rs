@@ -218,8 +218,7 @@ impl Books {
         });
         let p1: Vec<f32> = sums.collect();
         let p2 = normalise_book(&mut self.p2, &p1, AngularGrid::trapezoid(alphas));
-        let m: Vec<f32> =
-            self.m.index.chunks_exact(2).map(|pair| p2[pair[0] as usize]).collect();
+        let m: Vec<f32> = self.m.index.chunks_exact(2).map(|pair| p2[pair[0] as usize]).collect();
         let p3 = normalise_book(&mut self.p3, &m, std::iter::repeat(1.0));
         let p4 = normalise_book(&mut self.p4, &p3, std::iter::repeat(1.0));
         for level in materials.iter_mut().flat_map(|material| &mut material.levels) {

@@ -278,7 +278,8 @@ mod tests {
         let planar = -theta.sin();
         let mirror = DVec3::new(planar * phi.cos(), planar * phi.sin(), theta.cos());
         let taps = grid.light_taps(mirror, phi);
-        let beta: f32 = taps.beta.iter().map(|(i, w)| w * f32::from(u8::try_from(i).unwrap())).sum();
+        let beta: f32 =
+            taps.beta.iter().map(|(i, w)| w * f32::from(u8::try_from(i).unwrap())).sum();
         assert!((beta - 5.0).abs() < 1e-6, "{beta}");
     }
 

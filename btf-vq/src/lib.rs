@@ -23,7 +23,9 @@ pub use books::{Books, Chroma, IndexBook, Material, ValueBook, level_size};
 pub use decode::{Decoder, Taps};
 pub use error::VqError;
 pub use grid::{AngularGrid, LightParametrization, LightTaps, Pair, ViewTaps};
-pub use lpca::{LocalPca, LpcaDecoder, LpcaHeader, LpcaMaterial, LpcaModel, Steps, fit_lpca, lpca_bytes};
+pub use lpca::{
+    LocalPca, LpcaDecoder, LpcaHeader, LpcaMaterial, LpcaModel, Steps, fit_lpca, lpca_bytes,
+};
 pub use model::{Header, MaterialHeader, Rows, ScaleBits, SharedBytes, VqModel};
 pub use nearest::{CodeSet, Match};
 pub use quantise::{Law, Quantiser};

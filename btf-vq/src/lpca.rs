@@ -51,9 +51,7 @@ impl LocalPca {
             placed = place(survey, &spaces, components);
             cluster = placed.iter().map(|p| p.0).collect();
         }
-        let error = placed.iter().zip(&survey.energies).zip(
-            survey.coefficients.chunks_exact(dims),
-        );
+        let error = placed.iter().zip(&survey.energies).zip(survey.coefficients.chunks_exact(dims));
         let error = error
             .map(|((p, energy), x)| f64::from(p.1) + f64::from((energy - dot(x, x)).max(0.0)))
             .sum();
@@ -100,7 +98,8 @@ pub fn lpca_bytes(
 pub fn fit_lpca(survey: &Survey, bytes: usize, value: usize) -> Result<LocalPca, VqError> {
     let mut best: Option<LocalPca> = None;
     for components in [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32] {
-        let size = |clusters| lpca_bytes(&survey.grid, survey.texels(), clusters, components, value);
+        let size =
+            |clusters| lpca_bytes(&survey.grid, survey.texels(), clusters, components, value);
         let Some(clusters) = (1..=256).rev().find(|c| size(*c) <= bytes) else { break };
         let fit = LocalPca::fit(survey, clusters, components);
         if best.as_ref().is_none_or(|b| fit.error < b.error) {
@@ -155,9 +154,8 @@ fn affine_space<'a>(
     components: usize,
 ) -> Vec<f32> {
     let dims = mean.len();
-    let centred: Vec<f32> = members
-        .flat_map(|x| x.iter().zip(mean).map(|(v, m)| v - *m as f32))
-        .collect();
+    let centred: Vec<f32> =
+        members.flat_map(|x| x.iter().zip(mean).map(|(v, m)| v - *m as f32)).collect();
     let rows = faer::MatRef::from_row_major_slice(&centred, centred.len() / dims, dims);
     let mut covariance = Mat::<f32>::zeros(dims, dims);
     let (dst, accum) = (covariance.as_mut(), faer::Accum::Replace);
@@ -211,14 +209,22 @@ pub struct Steps {
 
 impl Steps {
     fn over(values: impl Iterator<Item = f32>) -> Self {
-        let (min, max) = values
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        if min < max { Self { min, step: (max - min) / 255.0 } } else { Self { min: min.min(max), step: 0.0 } }
+        let (min, max) =
+            values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        if min < max {
+            Self { min, step: (max - min) / 255.0 }
+        } else {
+            Self { min: min.min(max), step: 0.0 }
+        }
     }
 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     fn encode(self, value: f32) -> u8 {
-        if self.step > 0.0 { ((value - self.min) / self.step).round().clamp(0.0, 255.0) as u8 } else { 0 }
+        if self.step > 0.0 {
+            ((value - self.min) / self.step).round().clamp(0.0, 255.0) as u8
+        } else {
+            0
+        }
     }
 
     fn decode(self, code: u8) -> f32 {
@@ -345,10 +351,17 @@ impl LpcaModel {
             }
             let is_texture = at > 0 && header.clusters > 1;
             let clusters = model.stream(at).iter().step_by(len.max(1)).enumerate();
-            let bad = clusters.filter(|_| is_texture).find(|c| usize::from(*c.1) >= header.clusters);
+            let bad =
+                clusters.filter(|_| is_texture).find(|c| usize::from(*c.1) >= header.clusters);
             if let Some((row, index)) = bad {
                 let index = u32::from(*index);
-                return Err(VqError::Index { book, row, index, target: "basis", rows: header.clusters });
+                return Err(VqError::Index {
+                    book,
+                    row,
+                    index,
+                    target: "basis",
+                    rows: header.clusters,
+                });
             }
         }
         Ok(model)
@@ -380,7 +393,9 @@ impl LpcaModel {
             for node in 0..nodes {
                 for channel in 0..3 {
                     let at = channel * nodes + node;
-                    let of = |v: usize| basis[cluster * vectors + v].encode(plain[cluster * vectors + v][at]);
+                    let of = |v: usize| {
+                        basis[cluster * vectors + v].encode(plain[cluster * vectors + v][at])
+                    };
                     bytes.extend((0..vectors).map(of));
                 }
             }
@@ -484,7 +499,12 @@ impl LpcaDecoder<'_> {
     }
 
     /// Cluster of a texel, and the factors of its vectors' codes and their sum of minima.
-    fn factors(&self, level: usize, texel: usize, factors: &mut [f32; MAX_VECTORS]) -> (usize, f32) {
+    fn factors(
+        &self,
+        level: usize,
+        texel: usize,
+        factors: &mut [f32; MAX_VECTORS],
+    ) -> (usize, f32) {
         let header = self.header;
         let bytes = &self.levels[level].2[texel * header.texel_len()..][..header.texel_len()];
         let (cluster, codes) = match header.clusters {

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::bits::{MAX_ENTRY_BITS, PackedEntries, index_bits, pack, packed_len};
 use crate::books::level_size;
-use crate::{AngularGrid, Books, Chroma, Encoding, IndexBook, Material, Quantiser, ValueBook, VqError};
+use crate::{
+    AngularGrid, Books, Chroma, Encoding, IndexBook, Material, Quantiser, ValueBook, VqError,
+};
 
 /// Rows of the shared books.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -148,7 +150,11 @@ impl Header {
             return refuse("a quantiser", format!("{bad:?}"), "1 to 16 bits of a finite range");
         }
         if self.c[0].bits != 8 || self.c[1].bits != 8 || self.p1.bits > 8 {
-            return refuse("bits of values", format!("{} and {}", self.c[0].bits, self.p1.bits), "8");
+            return refuse(
+                "bits of values",
+                format!("{} and {}", self.c[0].bits, self.p1.bits),
+                "8",
+            );
         }
         for material in &self.materials {
             let MaterialHeader { width, height, levels, .. } = *material;
@@ -275,9 +281,8 @@ impl VqModel {
             let law = if bits.always_log { Quantiser::logarithmic } else { Quantiser::for_scales };
             law(width, values)
         };
-        let column = |c: usize| {
-            Quantiser::linear(8, books.c.values.iter().skip(c).step_by(2).copied())
-        };
+        let column =
+            |c: usize| Quantiser::linear(8, books.c.values.iter().skip(c).step_by(2).copied());
         let header = Header {
             grid: books.grid,
             encoding: books.encoding,

@@ -108,7 +108,10 @@ impl CodeSet {
 
     /// The best code for each vector, in parallel; empty if there are no codes.
     pub fn nearest(&self, luma: &[f32], chroma: &[f32]) -> Vec<Match> {
-        self.nearest_few(luma, chroma, 1).into_iter().filter_map(|few| few.first().copied()).collect()
+        self.nearest_few(luma, chroma, 1)
+            .into_iter()
+            .filter_map(|few| few.first().copied())
+            .collect()
     }
 
     /// The `few` best codes for each vector, best first, the lower first of equals; fewer if there are
@@ -174,7 +177,11 @@ impl CodeSet {
 
 /// The score that a newcomer has to beat.
 fn least_of(best: &[Match], few: usize) -> f32 {
-    if best.len() < few { f32::NEG_INFINITY } else { best.last().map_or(f32::NEG_INFINITY, |m| m.score) }
+    if best.len() < few {
+        f32::NEG_INFINITY
+    } else {
+        best.last().map_or(f32::NEG_INFINITY, |m| m.score)
+    }
 }
 
 /// Keeps the best, in order; codes come in ascending order, so equals stay behind.

@@ -106,9 +106,8 @@ impl Quantiser {
 
 /// Least and largest value; 1 and 1 of none.
 fn range(values: impl Iterator<Item = f32>) -> (f32, f32) {
-    let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), v| {
-        (min.min(v), max.max(v))
-    });
+    let (min, max) =
+        values.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), v| (min.min(v), max.max(v)));
     if min <= max { (min, max) } else { (1.0, 1.0) }
 }
 

@@ -29,23 +29,28 @@ impl DirectionRbf {
     ///
     /// [`VqError::Directions`] without three different ones above the horizon.
     pub(crate) fn new(what: &'static str, sites: &[DVec3]) -> Result<Self, VqError> {
-        let is_repeated =
-            |i: usize| sites[..i].iter().any(|other| other.distance(sites[i]) < SAME);
-        let different = (0..sites.len()).filter(|&i| !is_repeated(i) && sites[i].z >= -SAME).count();
+        let is_repeated = |i: usize| sites[..i].iter().any(|other| other.distance(sites[i]) < SAME);
+        let different =
+            (0..sites.len()).filter(|&i| !is_repeated(i) && sites[i].z >= -SAME).count();
         if different < 3 || different < sites.len() {
-            return Err(VqError::Directions { what, found: different, expected: sites.len().max(3) });
+            return Err(VqError::Directions {
+                what,
+                found: different,
+                expected: sites.len().max(3),
+            });
         }
         let lowest_z = sites.iter().map(|d| d.z).fold(1.0, f64::min);
         // Directions of one ring lie in a plane, where z is a constant.
         let is_flat = sites.iter().all(|d| (d.z - lowest_z).abs() < SAME);
         let tail = if sites.len() >= 6 && !is_flat { 4 } else { 1 };
         let count = sites.len();
-        let matrix = Mat::from_fn(count + tail, count + tail, |i, j| match (i < count, j < count) {
-            (true, true) => sites[i].distance(sites[j]),
-            (true, false) => tail_term(sites[i], j - count),
-            (false, true) => tail_term(sites[j], i - count),
-            (false, false) => 0.0,
-        });
+        let matrix =
+            Mat::from_fn(count + tail, count + tail, |i, j| match (i < count, j < count) {
+                (true, true) => sites[i].distance(sites[j]),
+                (true, false) => tail_term(sites[i], j - count),
+                (false, true) => tail_term(sites[j], i - count),
+                (false, false) => 0.0,
+            });
         Ok(Self { sites: sites.to_vec(), tail, system: matrix.full_piv_lu(), lowest_z })
     }
 

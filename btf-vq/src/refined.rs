@@ -68,8 +68,7 @@ pub fn encode_refined(survey: &Survey, sizes: &BookSizes) -> Encoded {
     let metric = Metric::of(survey);
     let dims = survey.space.dims;
     let texel_weights = survey.texel_weights();
-    let texels =
-        cluster_shapes(&survey.coefficients, dims, &texel_weights, sizes.p4, ITERATIONS);
+    let texels = cluster_shapes(&survey.coefficients, dims, &texel_weights, sizes.p4, ITERATIONS);
     let mut errors = LevelErrors { p4: texels.distortion, ..LevelErrors::default() };
     let usage4 = usage(&texels, &texel_weights);
 
@@ -216,8 +215,7 @@ impl ThreeD {
             let (mut product, mut square) = (0.0, 0.0);
             for channel in 0..3 {
                 let wanted = metric.view_values(centre, channel, theta);
-                for ((r, v), w) in
-                    rebuilt[channel * slice..].iter().zip(wanted).zip(&metric.light)
+                for ((r, v), w) in rebuilt[channel * slice..].iter().zip(wanted).zip(&metric.light)
                 {
                     product += metric.channels[channel] * w * r * v;
                     square += metric.channels[channel] * w * r * r;
@@ -392,7 +390,8 @@ fn one_d_luma(
             let own = metric.light[alpha * betas + beta].sqrt();
             slices.push((v / own).max(0.0) * root1[beta]);
         }
-        usages.push(usage2.get(code).copied().unwrap_or(0.0) * across[alpha] / across_mean(&across));
+        usages
+            .push(usage2.get(code).copied().unwrap_or(0.0) * across[alpha] / across_mean(&across));
     }
     (root1, slices, usages)
 }
@@ -409,7 +408,9 @@ fn by_alpha(grid: AngularGrid, values: &[f32]) -> Vec<f32> {
     codes
         .flat_map(|code| {
             (0..alphas).flat_map(move |alpha| {
-                (0..2).flat_map(move |channel| code[(channel * alphas + alpha) * betas..][..betas].iter())
+                (0..2).flat_map(move |channel| {
+                    code[(channel * alphas + alpha) * betas..][..betas].iter()
+                })
             })
         })
         .copied()
@@ -426,13 +427,7 @@ fn by_node(grid: AngularGrid, values: &[f32]) -> Vec<f32> {
 }
 
 /// Rows of P4: for each azimuth of each centre the row of P3, as it really is, that fits best.
-fn choose_p3(
-    survey: &Survey,
-    metric: &Metric,
-    codes: &[f32],
-    space: &Subspace,
-    books: &mut Books,
-) {
+fn choose_p3(survey: &Survey, metric: &Metric, codes: &[f32], space: &Subspace, books: &mut Books) {
     let phis = survey.grid.phis;
     let rows = books.p3.rows();
     let expand = |row: usize, out: &mut [f32]| books.expand_p3(row, out);

@@ -124,7 +124,9 @@ impl Resampler {
             .map_init(Workspace::default, |workspace, start| {
                 let block = start..texels.end.min(start + BLOCK);
                 workspace.images.resize(self.image_count * 3 * block.len(), 0.0);
-                source.read_texels(block.clone(), &mut workspace.images).map_err(VqError::Source)?;
+                source
+                    .read_texels(block.clone(), &mut workspace.images)
+                    .map_err(VqError::Source)?;
                 let clamped = self.resample_block(start, block.len(), workspace)?;
                 let made = f(block, &mut workspace.out);
                 Ok((made, clamped))

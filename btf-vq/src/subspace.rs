@@ -98,7 +98,8 @@ fn leading(gram: &[f32], count: usize, dims: usize) -> Vec<f32> {
     let matrix = MatRef::from_row_major_slice(gram, count, count);
     let width = (dims + SPARE).min(count);
     // Every step-th vector of the sample starts a direction.
-    let mut block = Mat::<f32>::from_fn(count, width, |i, j| f32::from(u8::from(i * width / count == j)));
+    let mut block =
+        Mat::<f32>::from_fn(count, width, |i, j| f32::from(u8::from(i * width / count == j)));
     for _ in 0..ROUNDS {
         let image = products_of(matrix, &block);
         block = image.qr().compute_thin_Q();

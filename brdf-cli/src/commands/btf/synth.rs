@@ -49,7 +49,8 @@ pub(in crate::commands) struct Synth {
     #[arg(long, value_enum, default_value_t = ChannelArg::G)]
     roughness_channel: ChannelArg,
 
-    /// From the lowest to the highest point of the map, as a share of the tile's width
+    /// Height of white over black in the map, as a share of the tile's width; of heights made from
+    /// normals, of the highest point over the lowest
     #[arg(long, value_name = "SHARE", default_value_t = 0.06, value_parser = not_negative)]
     height_scale: f64,
 
@@ -158,15 +159,15 @@ impl Synth {
 
     /// Heights in units of the tile's width.
     fn heights(&self) -> anyhow::Result<Map> {
-        let raw = match (&self.height, &self.normal) {
-            (Some(path), _) => first(read_map(path)?),
-            (None, Some(path)) => normal_heights(path)?,
-            (None, None) => return Err(usage("expected --height or --normal")),
-        };
-        let turned = if self.invert { raw.inverted() } else { raw };
         #[expect(clippy::cast_possible_truncation, reason = "heights are stored as f32")]
         let scale = self.height_scale as f32;
-        Ok(turned.stretched(scale))
+        // Normals know no scale: their heights are stretched to it. Those of a map count from black.
+        let heights = match (&self.height, &self.normal) {
+            (Some(path), _) => first(read_map(path)?).scaled(scale),
+            (None, Some(path)) => normal_heights(path)?.stretched(scale),
+            (None, None) => return Err(usage("expected --height or --normal")),
+        };
+        Ok(if self.invert { heights.inverted() } else { heights })
     }
 
     fn roughness(&self) -> anyhow::Result<Map> {

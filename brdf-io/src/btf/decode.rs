@@ -1,0 +1,196 @@
+//! One image of a BTF: recognised by its first bytes and decoded to three channels.
+
+use std::io::Cursor;
+
+use half::f16;
+use png::{BitDepth, ColorType, Transformations};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use crate::FormatError;
+use crate::error::quoted;
+
+/// Texels in a row or column of an image.
+pub(crate) const LONGEST_SIDE: usize = 16_384;
+/// Texels that one byte may claim. Deflate packs at most 1032 bytes into one; a block of 64 texels
+/// of a JPEG takes at least one bit.
+const TEXELS_PER_BYTE: u64 = 1032;
+/// A file may be all header.
+const SMALLEST_CLAIM: u64 = 1 << 20;
+
+/// Kinds of images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ImageKind {
+    Jpeg,
+    Png,
+}
+
+impl ImageKind {
+    /// Recognises an image by its first bytes.
+    pub(crate) fn of(bytes: &[u8]) -> Result<Self, FormatError> {
+        let starts = |magic: &[u8]| bytes.starts_with(magic);
+        match () {
+            () if starts(b"\xff\xd8\xff") => Ok(Self::Jpeg),
+            () if starts(b"\x89PNG\r\n\x1a\n") => Ok(Self::Png),
+            () => Err(FormatError::Missing {
+                what: format!("image: it starts with {}", start(bytes)),
+                expected: "JPEG or PNG".to_owned(),
+            }),
+        }
+    }
+
+    /// Whether values are linear.
+    pub(crate) fn is_linear(self) -> bool {
+        match self {
+            Self::Jpeg | Self::Png => false,
+        }
+    }
+}
+
+fn start(bytes: &[u8]) -> String {
+    quoted(&String::from_utf8_lossy(&bytes[..bytes.len().min(12)]))
+}
+
+/// A decoded image: texels row by row from the top, three channels each.
+#[derive(Debug)]
+pub(crate) enum Texels {
+    /// Display-referred.
+    Srgb(Vec<u8>),
+    /// Linear, finite, 0 and above.
+    #[expect(dead_code, reason = "readers of linear images follow")]
+    Linear(Vec<f16>),
+}
+
+impl Texels {
+    /// The values as they lie in memory.
+    pub(crate) fn as_bytes(&self) -> &[u8] {
+        match self {
+            Self::Srgb(values) => values,
+            Self::Linear(values) => bytemuck::cast_slice(values),
+        }
+    }
+}
+
+/// Width and height that the header of an image claims.
+pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
+    match ImageKind::of(bytes)? {
+        ImageKind::Jpeg => jpeg(bytes).map(|decoder| jpeg_size(&decoder)),
+        ImageKind::Png => png(bytes).map(|reader| png_size(&reader)),
+    }
+}
+
+/// Decodes an image of any kind.
+pub(crate) fn decode_image(bytes: &[u8]) -> Result<Texels, FormatError> {
+    match ImageKind::of(bytes)? {
+        ImageKind::Jpeg => decode_jpeg(bytes),
+        ImageKind::Png => decode_png(bytes),
+    }
+}
+
+/// Decoders make room for what a header claims, so the claim is held against the file first.
+pub(crate) fn check_claim(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatError> {
+    let [width, height] = size;
+    if width == 0 || height == 0 || width > LONGEST_SIDE || height > LONGEST_SIDE {
+        return Err(FormatError::Missing {
+            what: format!("image of usable size: it has {width} × {height} texels"),
+            expected: format!("1 to {LONGEST_SIDE} in each direction"),
+        });
+    }
+    let least = (width as u64 * height as u64).saturating_sub(SMALLEST_CLAIM) / TEXELS_PER_BYTE;
+    if least > bytes.len() as u64 {
+        return Err(FormatError::Size {
+            found: bytes.len(),
+            expected: usize::try_from(least).unwrap_or(usize::MAX),
+            hint: " or more for the size its header claims",
+        });
+    }
+    Ok(())
+}
+
+fn jpeg_error(error: impl std::fmt::Debug) -> FormatError {
+    FormatError::Library { what: "JPEG", problem: quoted(&format!("{error:?}")) }
+}
+
+/// A decoder that has read the header, whose size it held against the file.
+fn jpeg(bytes: &[u8]) -> Result<JpegDecoder<ZCursor<&[u8]>>, FormatError> {
+    // Strict: otherwise a damaged image comes out grey from where the damage is.
+    let options = DecoderOptions::default()
+        .set_strict_mode(true)
+        .set_max_width(LONGEST_SIDE)
+        .set_max_height(LONGEST_SIDE)
+        .jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(jpeg_error)?;
+    check_claim(bytes, jpeg_size(&decoder))?;
+    Ok(decoder)
+}
+
+fn jpeg_size(decoder: &JpegDecoder<ZCursor<&[u8]>>) -> [usize; 2] {
+    decoder.dimensions().unwrap_or_default().into()
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Texels, FormatError> {
+    let mut decoder = jpeg(bytes)?;
+    let values = decoder.decode().map_err(jpeg_error)?;
+    if values.len() != 3 * jpeg_size(&decoder).iter().product::<usize>() {
+        return Err(jpeg_error("other channels than grey or RGB"));
+    }
+    Ok(Texels::Srgb(values))
+}
+
+fn png_error(problem: impl ToString) -> FormatError {
+    FormatError::Library { what: "PNG", problem: problem.to_string() }
+}
+
+/// A reader that has read the header, whose size it held against the file.
+fn png(bytes: &[u8]) -> Result<png::Reader<Cursor<&[u8]>>, FormatError> {
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(Transformations::EXPAND);
+    let reader = decoder.read_info().map_err(png_error)?;
+    check_claim(bytes, png_size(&reader))?;
+    Ok(reader)
+}
+
+fn png_size(reader: &png::Reader<Cursor<&[u8]>>) -> [usize; 2] {
+    let (width, height) = reader.info().size();
+    [width as usize, height as usize]
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Texels, FormatError> {
+    let mut reader = png(bytes)?;
+    let length = reader.output_buffer_size().ok_or_else(|| png_error("too large"))?;
+    let mut values = vec![0; length];
+    reader.next_frame(&mut values).map_err(png_error)?;
+    let (color, depth) = reader.output_color_type();
+    if depth == BitDepth::Sixteen {
+        values = narrowed(&values);
+    }
+    let texels = match color {
+        ColorType::Rgb => values,
+        ColorType::Grayscale => values.iter().flat_map(|&grey| [grey; 3]).collect(),
+        ColorType::GrayscaleAlpha => {
+            opaque::<2>(&values)?.flat_map(|[grey, _]| [*grey; 3]).collect()
+        }
+        ColorType::Rgba => opaque::<4>(&values)?.flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+        ColorType::Indexed => return Err(png_error("palette without colours")),
+    };
+    Ok(Texels::Srgb(texels))
+}
+
+/// 16-bit values, big-endian, rounded to 8 bits.
+#[expect(clippy::cast_possible_truncation, reason = "at most (65535 + 128) / 257 = 255")]
+fn narrowed(values: &[u8]) -> Vec<u8> {
+    let wide = values.as_chunks::<2>().0.iter().map(|pair| u32::from(u16::from_be_bytes(*pair)));
+    wide.map(|value| ((value + 128) / 257) as u8).collect()
+}
+
+/// Texels with alpha, all of which must be opaque: what lies behind a texel nobody knows.
+fn opaque<const N: usize>(values: &[u8]) -> Result<impl Iterator<Item = &[u8; N]>, FormatError> {
+    let texels = values.as_chunks::<N>().0;
+    match texels.iter().position(|texel| texel[N - 1] != 255) {
+        Some(at) => Err(png_error(format!("texel {at} is transparent"))),
+        None => Ok(texels.iter()),
+    }
+}

@@ -1,0 +1,85 @@
+//! Bidirectional texture functions of any kind, recognised by content.
+
+use std::ops::Range;
+use std::path::Path;
+
+use btf_vq::{BtfLayout, BtfSource, SourceError};
+
+use super::files::ZIP_MAGIC;
+use super::{BtfImages, LoadedBtf};
+use crate::error::quoted;
+use crate::{FormatError, IoError, MappedFile};
+
+/// A BTF of which directions and size are known, and nothing is decoded.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum BtfInput {
+    /// One image for each view and light.
+    Images(BtfImages),
+}
+
+/// A BTF that can be read block by block.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Btf {
+    /// One image for each view and light.
+    Images(LoadedBtf),
+}
+
+/// Opens a folder or a ZIP archive of images.
+///
+/// # Errors
+///
+/// [`IoError`] for what cannot be read or is none of these.
+pub fn open_btf(path: &Path) -> Result<BtfInput, IoError> {
+    if path.is_dir() {
+        return BtfImages::in_folder(path).map(BtfInput::Images);
+    }
+    let bytes = MappedFile::open(path)?;
+    if ZIP_MAGIC.iter().any(|magic| bytes.starts_with(magic)) {
+        return BtfImages::in_archive(path).map(BtfInput::Images);
+    }
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(16)]);
+    Err(IoError::format(path)(FormatError::Missing {
+        what: format!("BTF: it starts with {}", quoted(&start)),
+        expected: "a folder or ZIP archive of images named by angles".to_owned(),
+    }))
+}
+
+impl BtfInput {
+    /// Size and directions.
+    pub fn layout(&self) -> &BtfLayout {
+        match self {
+            Self::Images(images) => images.layout(),
+        }
+    }
+
+    /// Decodes what has to be decoded as a whole; see [`BtfImages::load`].
+    ///
+    /// # Errors
+    ///
+    /// [`IoError::Btf`] for images that cannot be read.
+    pub fn load(
+        &self,
+        memory_limit: usize,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Btf, IoError> {
+        match self {
+            Self::Images(images) => images.load(memory_limit, progress).map(Btf::Images),
+        }
+    }
+}
+
+impl BtfSource for Btf {
+    fn layout(&self) -> &BtfLayout {
+        match self {
+            Self::Images(images) => images.layout(),
+        }
+    }
+
+    fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError> {
+        match self {
+            Self::Images(images) => images.read_texels(texels, out),
+        }
+    }
+}
