@@ -24,6 +24,9 @@ pub(crate) struct Clusters {
     pub(crate) distortion: f64,
 }
 
+/// Vectors for each code on which codes are found.
+const TRAINING: usize = 24;
+
 /// Codes of unit length for vectors `[vector][len]` that are copies of them at any scale above 0.
 /// There are at most `count` codes and no more than vectors.
 pub(crate) fn cluster_shapes(
@@ -33,18 +36,24 @@ pub(crate) fn cluster_shapes(
     count: usize,
     iterations: usize,
 ) -> Clusters {
-    let energy: Vec<f32> =
-        vectors.chunks_exact(len).zip(weights).map(|(v, w)| w * dot(v, v)).collect();
+    let energies = |vectors: &[f32], weights: &[f32]| -> Vec<f32> {
+        vectors.chunks_exact(len).zip(weights).map(|(v, w)| w * dot(v, v)).collect()
+    };
+    // Codes are found on some of the vectors; all choose among them.
+    let step = (weights.len() / (TRAINING * count.max(1))).max(1);
+    let picked: Vec<f32> = vectors.chunks_exact(len).step_by(step).flatten().copied().collect();
+    let picked_weights: Vec<f32> = weights.iter().step_by(step).copied().collect();
+    let energy = energies(&picked, &picked_weights);
     let mut codes = CodeSet::new(len, 0);
     for at in spread(&energy, count) {
-        codes.push(&vectors[at * len..][..len], &[]);
+        codes.push(&picked[at * len..][..len], &[]);
     }
-    let mut matches = codes.nearest(vectors, &[]);
     for _ in 0..iterations {
-        codes = updated(&codes, vectors, len, weights, &energy, &matches);
-        matches = codes.nearest(vectors, &[]);
+        let matches = codes.nearest(&picked, &[]);
+        codes = updated(&codes, &picked, len, &picked_weights, &energy, &matches);
     }
-    let errors = errors(&energy, weights, &matches);
+    let matches = codes.nearest(vectors, &[]);
+    let errors = errors(&energies(vectors, weights), weights, &matches);
     Clusters {
         codes: (0..codes.len()).flat_map(|at| codes.code(at).0.to_vec()).collect(),
         assignment: matches.iter().map(|m| narrow(m.code)).collect(),

@@ -10,11 +10,13 @@ mod grid;
 mod lpca;
 mod model;
 mod nearest;
+mod paper;
 mod quantise;
 mod rbf;
 mod refined;
 mod resample;
 mod source;
+mod ssim;
 mod subspace;
 mod survey;
 
@@ -28,6 +30,7 @@ pub use lpca::{
 };
 pub use model::{Header, MaterialHeader, Rows, ScaleBits, SharedBytes, VqModel};
 pub use nearest::{CodeSet, Match};
+pub use paper::{Measure, PaperParams, encode_paper};
 pub use quantise::{Law, Quantiser};
 pub use refined::{BookSizes, Encoded, LevelErrors, encode_refined};
 pub use resample::{BLOCK, Resampler};

@@ -55,9 +55,11 @@ pub struct Encoded {
 }
 
 /// Iterations at every level: later ones change errors by less than a percent.
-const ITERATIONS: usize = 8;
+const ITERATIONS: usize = 5;
 /// Dimensions in which 3D slices are compared.
-const SLICE_DIMS: usize = 96;
+const SLICE_DIMS: usize = 48;
+/// Dimensions in which the luminance of 2D slices is compared.
+const SLICE2_DIMS: usize = 32;
 /// Slices that these dimensions are found on.
 const SLICE_SAMPLE: usize = 1536;
 /// Codes that are expanded together.
@@ -287,7 +289,12 @@ impl TwoD {
             .map(|(v, r)| v * r)
             .collect();
         let weights: Vec<f32> = views().map(|v| v.2 * metric.channels[0]).collect();
-        let luma = cluster_shapes(&luma, slice, &weights, sizes.p2, ITERATIONS);
+        let step = (weights.len() / SLICE_SAMPLE).max(1);
+        let sample: Vec<f32> = luma.chunks_exact(slice).step_by(step).flatten().copied().collect();
+        let space = Subspace::of(&sample, slice, SLICE2_DIMS);
+        let short = space.project(&luma);
+        let mut luma = cluster_shapes(&short, space.dims, &weights, sizes.p2, ITERATIONS);
+        luma.codes = space.lift(&luma.codes);
         errors.p2 = luma.distortion;
         let (ratios, ratio_weights) = chroma_ratios(metric, views());
         let (chroma, totals2) =
