@@ -76,6 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "the third axis is the normal itself")]
     fn a_frame_turns_there_and_back() {
         let frame = Frame::around([0.48, -0.6, 0.64]);
         assert_eq!(frame.to_world([0.0, 0.0, 1.0]), [0.48, -0.6, 0.64]);

@@ -4,6 +4,7 @@
     clippy::unwrap_used,
     clippy::missing_panics_doc,
     clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
     reason = "a test that cannot go on has failed; sides of a few texels"
 )]
 
