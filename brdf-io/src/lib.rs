@@ -27,8 +27,8 @@ mod utia;
 pub use alta::read_alta;
 pub use atomic::{OutputFolder, Overwrite, write_atomically};
 pub use btf::{
-    Btf, BtfError, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection, open_btf,
-    parse_image_name,
+    Btf, BtfError, BtfFile, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection,
+    open_btf, parse_image_name, read_btf_image,
 };
 pub use container::{
     Contained, FitRecord, FitSettings, ModelFile, RankRecord, SearchSettings, SeparableFile,

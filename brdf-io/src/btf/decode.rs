@@ -3,17 +3,21 @@
 use std::io::Cursor;
 
 use half::f16;
+use half::slice::HalfFloatSliceExt as _;
 use png::{BitDepth, ColorType, Transformations};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
+use super::exr_picture::{exr_size, read_exr};
+use super::linear::linear_texels;
+use super::rgbe::{read_rgbe, read_rgbe_header};
 use crate::FormatError;
 use crate::error::quoted;
 
 /// Texels in a row or column of an image.
-pub(crate) const LONGEST_SIDE: usize = 16_384;
+const LONGEST_SIDE: usize = 16_384;
 /// Texels that one byte may claim. Deflate packs at most 1032 bytes into one; a block of 64 texels
 /// of a JPEG takes at least one bit.
 const TEXELS_PER_BYTE: u64 = 1032;
@@ -25,6 +29,8 @@ const SMALLEST_CLAIM: u64 = 1 << 20;
 pub(crate) enum ImageKind {
     Jpeg,
     Png,
+    Radiance,
+    Exr,
 }
 
 impl ImageKind {
@@ -34,9 +40,11 @@ impl ImageKind {
         match () {
             () if starts(b"\xff\xd8\xff") => Ok(Self::Jpeg),
             () if starts(b"\x89PNG\r\n\x1a\n") => Ok(Self::Png),
+            () if starts(b"#?") => Ok(Self::Radiance),
+            () if starts(&[0x76, 0x2f, 0x31, 0x01]) => Ok(Self::Exr),
             () => Err(FormatError::Missing {
                 what: format!("image: it starts with {}", start(bytes)),
-                expected: "JPEG or PNG".to_owned(),
+                expected: "JPEG, PNG, Radiance HDR or OpenEXR".to_owned(),
             }),
         }
     }
@@ -45,6 +53,7 @@ impl ImageKind {
     pub(crate) fn is_linear(self) -> bool {
         match self {
             Self::Jpeg | Self::Png => false,
+            Self::Radiance | Self::Exr => true,
         }
     }
 }
@@ -59,8 +68,11 @@ pub(crate) enum Texels {
     /// Display-referred.
     Srgb(Vec<u8>),
     /// Linear, finite, 0 and above.
-    #[expect(dead_code, reason = "readers of linear images follow")]
-    Linear(Vec<f16>),
+    Linear {
+        values: Vec<f16>,
+        /// How many values were below zero and became zero.
+        negative: u64,
+    },
 }
 
 impl Texels {
@@ -68,17 +80,44 @@ impl Texels {
     pub(crate) fn as_bytes(&self) -> &[u8] {
         match self {
             Self::Srgb(values) => values,
-            Self::Linear(values) => bytemuck::cast_slice(values),
+            Self::Linear { values, .. } => bytemuck::cast_slice(values),
+        }
+    }
+
+    /// How many values were below zero and became zero.
+    pub(crate) fn negative(&self) -> u64 {
+        match self {
+            Self::Srgb(_) => 0,
+            Self::Linear { negative, .. } => *negative,
         }
     }
 }
 
-/// Width and height that the header of an image claims.
+/// Width and height that the header of an image claims, and that the file may hold.
 pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
-    match ImageKind::of(bytes)? {
+    let size = match ImageKind::of(bytes)? {
         ImageKind::Jpeg => jpeg(bytes).map(|decoder| jpeg_size(&decoder)),
         ImageKind::Png => png(bytes).map(|reader| png_size(&reader)),
-    }
+        ImageKind::Radiance => read_rgbe_header(bytes).map(|header| header.size),
+        ImageKind::Exr => exr_size(bytes),
+    }?;
+    check_claim(bytes, size)?;
+    Ok(size)
+}
+
+/// Width, height and texels of one image, row by row from the top, three channels each: in [0, 1] as
+/// sRGB has them if the image has 8 or 16 bits, else linear.
+///
+/// # Errors
+///
+/// [`FormatError`] for what is no image, a damaged one, and values that half precision cannot hold.
+pub fn read_btf_image(bytes: &[u8]) -> Result<([usize; 2], Vec<f32>), FormatError> {
+    let size = image_size(bytes)?;
+    let values = match decode_image(bytes)? {
+        Texels::Srgb(values) => values.iter().map(|&byte| f32::from(byte) / 255.0).collect(),
+        Texels::Linear { values, .. } => values.to_f32_vec(),
+    };
+    Ok((size, values))
 }
 
 /// Decodes an image of any kind.
@@ -86,11 +125,21 @@ pub(crate) fn decode_image(bytes: &[u8]) -> Result<Texels, FormatError> {
     match ImageKind::of(bytes)? {
         ImageKind::Jpeg => decode_jpeg(bytes),
         ImageKind::Png => decode_png(bytes),
+        ImageKind::Radiance => {
+            let header = read_rgbe_header(bytes)?;
+            check_claim(bytes, header.size)?;
+            linear_texels(&read_rgbe(bytes, &header)?, header.size[0])
+        }
+        ImageKind::Exr => {
+            let size = exr_size(bytes)?;
+            check_claim(bytes, size)?;
+            linear_texels(&read_exr(bytes)?, size[0])
+        }
     }
 }
 
 /// Decoders make room for what a header claims, so the claim is held against the file first.
-pub(crate) fn check_claim(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatError> {
+fn check_claim(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatError> {
     let [width, height] = size;
     if width == 0 || height == 0 || width > LONGEST_SIDE || height > LONGEST_SIDE {
         return Err(FormatError::Missing {
@@ -109,8 +158,10 @@ pub(crate) fn check_claim(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatEr
     Ok(())
 }
 
-fn jpeg_error(error: impl std::fmt::Debug) -> FormatError {
-    FormatError::Library { what: "JPEG", problem: quoted(&format!("{error:?}")) }
+fn jpeg_error(problem: impl ToString) -> FormatError {
+    // Some of the decoder's messages are quoted, some span lines.
+    let problem = problem.to_string().replace(['\n', '"'], " ").trim().to_owned();
+    FormatError::Library { what: "JPEG", problem }
 }
 
 /// A decoder that has read the header, whose size it held against the file.

@@ -23,6 +23,7 @@ const LEAST_PER_THREAD: usize = 2;
 pub struct LoadedBtf {
     layout: BtfLayout,
     store: BlockStore,
+    negative_values: u64,
 }
 
 impl BtfImages {
@@ -53,6 +54,7 @@ impl BtfImages {
         let value_size = value_size(layout.encoding);
         let mut store = BlockStore::new(images, texels, value_size, memory_limit)?;
         let batch = batch_size(3 * value_size * texels);
+        let mut negative_values = 0;
         for first in (0..images).step_by(batch) {
             let decoded: Vec<Result<Texels, BtfError>> = (first..images.min(first + batch))
                 .into_par_iter()
@@ -62,8 +64,9 @@ impl BtfImages {
             let decoded: Vec<Texels> = decoded.into_iter().collect::<Result<_, _>>()?;
             let bytes: Vec<&[u8]> = decoded.iter().map(Texels::as_bytes).collect();
             store.put(first, &bytes);
+            negative_values += decoded.iter().map(Texels::negative).sum::<u64>();
         }
-        Ok(LoadedBtf { layout, store })
+        Ok(LoadedBtf { layout, store, negative_values })
     }
 
     /// Decodes an image, which must be like the first one.
@@ -100,6 +103,12 @@ fn value_size(encoding: Encoding) -> usize {
 }
 
 impl LoadedBtf {
+    /// How many values of linear images were below zero and became zero, as colours outside the
+    /// gamut do.
+    pub fn negative_values(&self) -> u64 {
+        self.negative_values
+    }
+
     /// A whole display-referred image, row by row from the top, three channels a texel; none if
     /// images are linear.
     ///
