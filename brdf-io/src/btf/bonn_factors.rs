@@ -4,12 +4,12 @@
 use std::ops::Range;
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, MatMut, MatRef, Par};
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 
 use super::bonn_header::{BonnHeader, check_end, read_f32};
-use super::colour_model::ColourModel;
+use super::colour_model::{ColourModel, exponentials};
 use crate::FormatError;
 use crate::bytes::Cursor;
 
@@ -98,30 +98,36 @@ impl Factors {
 
     /// Multiplies: `out[image][texel][channel]` for consecutive texels.
     pub(crate) fn read_texels(&self, bytes: &[u8], texels: Range<usize>, out: &mut [f32]) {
-        let count = texels.len();
-        let images = out.len() / (3 * count);
-        for (number, channel) in self.channels.iter().enumerate() {
-            let spatial = channel.vectors(bytes, channel.texels, texels.clone());
-            let spatial = MatRef::from_row_major_slice(&spatial, count, channel.components);
-            for start in (0..images).step_by(TILE) {
-                let tile = start..images.min(start + TILE);
-                let angular = channel.vectors(bytes, channel.images, tile.clone());
-                let angular =
-                    MatRef::from_row_major_slice(&angular, tile.len(), channel.components);
-                // One column for each image.
-                let mut product = Mat::<f32>::zeros(count, tile.len());
-                matmul(&mut product, Accum::Replace, spatial, angular.transpose(), 1.0, Par::Seq);
-                let places =
-                    out[3 * count * start..3 * count * tile.end].chunks_exact_mut(3 * count);
-                for (column, place) in product.col_iter().zip(places) {
-                    for (value, texel) in column.iter().zip(place.as_chunks_mut::<3>().0) {
-                        texel[number] = *value;
-                    }
-                }
-            }
+        for number in 0..3 {
+            self.read_channel(bytes, number, texels.clone(), out);
         }
         for texel in out.as_chunks_mut::<3>().0 {
             *texel = self.model.to_rgb(*texel);
+        }
+    }
+
+    /// Multiplies one channel, and takes exponentials of logarithms.
+    fn read_channel(&self, bytes: &[u8], number: usize, texels: Range<usize>, out: &mut [f32]) {
+        let channel = &self.channels[number];
+        let count = texels.len();
+        let spatial = channel.vectors(bytes, channel.texels, texels);
+        let spatial = MatRef::from_row_major_slice(&spatial, count, channel.components);
+        let mut products = vec![0.0; TILE * count];
+        for (tile, places) in out.chunks_mut(3 * count * TILE).enumerate() {
+            let images = places.len() / (3 * count);
+            let start = tile * TILE;
+            let angular = channel.vectors(bytes, channel.images, start..start + images);
+            let angular = MatRef::from_row_major_slice(&angular, images, channel.components);
+            let products = &mut products[..images * count];
+            // One column for each image.
+            let product = MatMut::from_column_major_slice_mut(products, count, images);
+            matmul(product, Accum::Replace, spatial, angular.transpose(), 1.0, Par::Seq);
+            if self.model.is_logarithm(number) {
+                exponentials(products);
+            }
+            for (value, texel) in products.iter().zip(places.as_chunks_mut::<3>().0) {
+                texel[number] = *value;
+            }
         }
     }
 }

@@ -11,7 +11,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::exr_picture::{exr_size, read_exr};
-use super::linear::linear_texels;
+use super::linear::halves;
 use super::rgbe::{read_rgbe, read_rgbe_header};
 use crate::FormatError;
 use crate::error::quoted;
@@ -62,37 +62,6 @@ fn start(bytes: &[u8]) -> String {
     quoted(&String::from_utf8_lossy(&bytes[..bytes.len().min(12)]))
 }
 
-/// A decoded image: texels row by row from the top, three channels each.
-#[derive(Debug)]
-pub(crate) enum Texels {
-    /// Display-referred.
-    Srgb(Vec<u8>),
-    /// Linear, finite, 0 and above.
-    Linear {
-        values: Vec<f16>,
-        /// How many values were below zero and became zero.
-        negative: u64,
-    },
-}
-
-impl Texels {
-    /// The values as they lie in memory.
-    pub(crate) fn as_bytes(&self) -> &[u8] {
-        match self {
-            Self::Srgb(values) => values,
-            Self::Linear { values, .. } => bytemuck::cast_slice(values),
-        }
-    }
-
-    /// How many values were below zero and became zero.
-    pub(crate) fn negative(&self) -> u64 {
-        match self {
-            Self::Srgb(_) => 0,
-            Self::Linear { negative, .. } => *negative,
-        }
-    }
-}
-
 /// Width and height that the header of an image claims, and that the file may hold.
 pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
     let size = match ImageKind::of(bytes)? {
@@ -113,29 +82,49 @@ pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
 /// [`FormatError`] for what is no image, a damaged one, and values that half precision cannot hold.
 pub fn read_btf_image(bytes: &[u8]) -> Result<([usize; 2], Vec<f32>), FormatError> {
     let size = image_size(bytes)?;
-    let values = match decode_image(bytes)? {
-        Texels::Srgb(values) => values.iter().map(|&byte| f32::from(byte) / 255.0).collect(),
-        Texels::Linear { values, .. } => values.to_f32_vec(),
+    let values = 3 * size[0] * size[1];
+    let values = if ImageKind::of(bytes)?.is_linear() {
+        let mut halves = vec![f16::ZERO; values];
+        decode_image(bytes, bytemuck::cast_slice_mut(&mut halves))?;
+        halves.to_f32_vec()
+    } else {
+        let mut stored = vec![0; values];
+        decode_image(bytes, &mut stored)?;
+        stored.iter().map(|&byte| f32::from(byte) / 255.0).collect()
     };
     Ok((size, values))
 }
 
-/// Decodes an image of any kind.
-pub(crate) fn decode_image(bytes: &[u8]) -> Result<Texels, FormatError> {
+/// Decodes an image of any kind into room for its [`image_size`]: texels row by row from the top, three
+/// values each, bytes of display-referred images and halves in the machine's byte order of linear
+/// ones. Returns how many linear values were below zero and became zero.
+pub(crate) fn decode_image(bytes: &[u8], out: &mut [u8]) -> Result<u64, FormatError> {
     match ImageKind::of(bytes)? {
-        ImageKind::Jpeg => decode_jpeg(bytes),
-        ImageKind::Png => decode_png(bytes),
+        ImageKind::Jpeg => decode_jpeg(bytes, out).map(|()| 0),
+        ImageKind::Png => fill(out, &decode_png(bytes)?).map(|()| 0),
         ImageKind::Radiance => {
             let header = read_rgbe_header(bytes)?;
             check_claim(bytes, header.size)?;
-            linear_texels(&read_rgbe(bytes, &header)?, header.size[0])
+            let (halves, negative) = halves(&read_rgbe(bytes, &header)?, header.size[0])?;
+            fill(out, bytemuck::cast_slice(&halves)).map(|()| negative)
         }
         ImageKind::Exr => {
             let size = exr_size(bytes)?;
             check_claim(bytes, size)?;
-            linear_texels(&read_exr(bytes)?, size[0])
+            let (halves, negative) = halves(&read_exr(bytes)?, size[0])?;
+            fill(out, bytemuck::cast_slice(&halves)).map(|()| negative)
         }
     }
+}
+
+/// Copies, if the picture is as large as its header said.
+fn fill(out: &mut [u8], values: &[u8]) -> Result<(), FormatError> {
+    if out.len() != values.len() {
+        let hint = " as the header says";
+        return Err(FormatError::Size { found: values.len(), expected: out.len(), hint });
+    }
+    out.copy_from_slice(values);
+    Ok(())
 }
 
 /// Decoders make room for what a header claims, so the claim is held against the file first.
@@ -182,13 +171,12 @@ fn jpeg_size(decoder: &JpegDecoder<ZCursor<&[u8]>>) -> [usize; 2] {
     decoder.dimensions().unwrap_or_default().into()
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Texels, FormatError> {
+fn decode_jpeg(bytes: &[u8], out: &mut [u8]) -> Result<(), FormatError> {
     let mut decoder = jpeg(bytes)?;
-    let values = decoder.decode().map_err(jpeg_error)?;
-    if values.len() != 3 * jpeg_size(&decoder).iter().product::<usize>() {
+    if decoder.output_buffer_size() != Some(out.len()) {
         return Err(jpeg_error("other channels than grey or RGB"));
     }
-    Ok(Texels::Srgb(values))
+    decoder.decode_into(out).map_err(jpeg_error)
 }
 
 fn png_error(problem: impl ToString) -> FormatError {
@@ -209,7 +197,7 @@ fn png_size(reader: &png::Reader<Cursor<&[u8]>>) -> [usize; 2] {
     [width as usize, height as usize]
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Texels, FormatError> {
+fn decode_png(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
     let mut reader = png(bytes)?;
     let length = reader.output_buffer_size().ok_or_else(|| png_error("too large"))?;
     let mut values = vec![0; length];
@@ -218,7 +206,7 @@ fn decode_png(bytes: &[u8]) -> Result<Texels, FormatError> {
     if depth == BitDepth::Sixteen {
         values = narrowed(&values);
     }
-    let texels = match color {
+    Ok(match color {
         ColorType::Rgb => values,
         ColorType::Grayscale => values.iter().flat_map(|&grey| [grey; 3]).collect(),
         ColorType::GrayscaleAlpha => {
@@ -226,8 +214,7 @@ fn decode_png(bytes: &[u8]) -> Result<Texels, FormatError> {
         }
         ColorType::Rgba => opaque::<4>(&values)?.flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
         ColorType::Indexed => return Err(png_error("palette without colours")),
-    };
-    Ok(Texels::Srgb(texels))
+    })
 }
 
 /// 16-bit values, big-endian, rounded to 8 bits.

@@ -2,16 +2,16 @@
 
 use half::f16;
 
-use super::decode::Texels;
 use crate::FormatError;
 
-/// Narrows the three channels of all texels, row by row, to half precision.
+/// Narrows the three channels of all texels, row by row, to half precision. Values below zero become
+/// zero, as colours outside the gamut do; returns how many did.
 ///
 /// # Errors
 ///
 /// [`FormatError::Missing`] for the first value that is not finite or above the largest half, 65504,
-/// with how many there are. Values below zero become zero and are counted.
-pub(crate) fn linear_texels(values: &[f32], width: usize) -> Result<Texels, FormatError> {
+/// with how many there are.
+pub(crate) fn halves(values: &[f32], width: usize) -> Result<(Vec<f16>, u64), FormatError> {
     let fits = |value: f32| value.is_finite() && value <= f16::MAX.to_f32();
     if let Some(at) = values.iter().position(|&value| !fits(value)) {
         let count = values.iter().filter(|&&value| !fits(value)).count();
@@ -26,7 +26,7 @@ pub(crate) fn linear_texels(values: &[f32], width: usize) -> Result<Texels, Form
     }
     let negative = values.iter().filter(|&&value| value < 0.0).count() as u64;
     let values = values.iter().map(|value| f16::from_f32(value.max(0.0))).collect();
-    Ok(Texels::Linear { values, negative })
+    Ok((values, negative))
 }
 
 /// CIE XYZ with the white of D65 to linear Rec. 709: the inverse of what IEC 61966-2-1 derives from
@@ -48,16 +48,14 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 70_000.0] {
             let mut values = vec![0.5; 3 * 12];
             values[3 * 7 + 1] = bad;
-            let message = linear_texels(&values, 5).unwrap_err().to_string();
+            let message = halves(&values, 5).unwrap_err().to_string();
             assert!(message.contains("column 2, row 1"), "{message}");
         }
     }
 
     #[test]
     fn values_below_zero_are_counted() {
-        let Ok(Texels::Linear { values, negative }) = linear_texels(&[-0.5, 0.25, -0.0], 1) else {
-            panic!("finite values")
-        };
+        let (values, negative) = halves(&[-0.5, 0.25, -0.0], 1).unwrap();
         assert_eq!((values[0], values[1], negative), (f16::ZERO, f16::from_f32(0.25), 1));
     }
 
