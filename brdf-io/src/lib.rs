@@ -27,8 +27,8 @@ mod utia;
 pub use alta::read_alta;
 pub use atomic::{OutputFolder, Overwrite, write_atomically};
 pub use btf::{
-    Btf, BtfError, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection,
-    UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_map,
+    Btf, BtfError, BtfFile, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection,
+    UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_btf_image, read_map,
 };
 pub use container::{
     Contained, FitRecord, FitSettings, ModelFile, RankRecord, SearchSettings, SeparableFile,

@@ -54,6 +54,13 @@ impl MappedFile {
     }
 }
 
+impl From<Vec<u8>> for MappedFile {
+    /// Bytes from elsewhere than a file.
+    fn from(bytes: Vec<u8>) -> Self {
+        Self(Content::Read(bytes))
+    }
+}
+
 impl Deref for MappedFile {
     type Target = [u8];
 

@@ -6,7 +6,9 @@ use std::io::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use brdf_io::{Btf, BtfImages, BtfInput, LoadedBtf, open_btf};
+use brdf_io::{
+    Btf, BtfImages, BtfInput, LoadedBtf, MappedFile, open_btf, read_btf_image, write_exr,
+};
 use btf_vq::{BtfSource as _, Encoding};
 
 const WIDTH: usize = 20;
@@ -200,4 +202,210 @@ fn images_unlike_the_others_are_refused_by_name() {
     text[9].1 = b"not an image".to_vec();
     let message = refusal(&text);
     assert!(message.contains(&text[9].0) && message.contains("not an image"), "{message}");
+}
+
+fn jpeg(width: usize, height: usize, texels: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let sides = [width, height].map(|side| u32::try_from(side).unwrap());
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 95)
+        .encode(texels, sides[0], sides[1], image::ExtendedColorType::Rgb8)
+        .unwrap();
+    bytes
+}
+
+/// An uncoded Radiance picture of powers of two, whose lines are columns from the bottom up.
+fn radiance(view: usize, light: usize) -> Vec<u8> {
+    let mut bytes =
+        format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+X {WIDTH} +Y {HEIGHT}\n").into_bytes();
+    for column in 0..WIDTH {
+        for row in (0..HEIGHT).rev() {
+            let exponent = 120 + (column + 3 * row + 2 * view + light) % 16;
+            bytes.extend([128, 64, 0, u8::try_from(exponent).unwrap()]);
+        }
+    }
+    bytes
+}
+
+fn radiance_value(texel: usize, view: usize, light: usize) -> [f32; 3] {
+    let exponent = (texel % WIDTH + 3 * (texel / WIDTH) + 2 * view + light) % 16;
+    let value = 2.0_f32.powi(i32::try_from(exponent).unwrap() - 9);
+    [value, value / 2.0, 0.0]
+}
+
+/// Files named as UTIA does, each made from the number of its view and its light.
+fn utia_files(make: impl Fn(usize, usize) -> Vec<u8>) -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    for (view, (tv, pv)) in DIRECTIONS.iter().enumerate() {
+        for (light, (tl, pl)) in DIRECTIONS.iter().enumerate() {
+            let name =
+                format!("tv{tv:03}_pv{pv:03}/tl{tl:03}_pl{pl:03}.0_tv{tv:03}_pv{pv:03}.image");
+            files.push((name, make(view, light)));
+        }
+    }
+    files
+}
+
+fn loaded(files: &[(String, Vec<u8>)]) -> LoadedBtf {
+    let folder = tempfile::tempdir().unwrap();
+    write_folder(folder.path(), files);
+    load(&open_btf(folder.path()).unwrap())
+}
+
+#[test]
+fn jpeg_images_are_read() {
+    let smooth = |view: usize, light: usize| -> Vec<u8> {
+        let value = |texel: usize| 40 + 5 * (texel % WIDTH) + 10 * view + light;
+        (0..WIDTH * HEIGHT).flat_map(|t| [u8::try_from(value(t)).unwrap(); 3]).collect()
+    };
+    let btf = loaded(&utia_files(|view, light| jpeg(WIDTH, HEIGHT, &smooth(view, light))));
+    for image in 0..16 {
+        let found = btf.image_rgb8(image).unwrap();
+        let expected = smooth(image / 4, image % 4);
+        assert!(found.iter().zip(&expected).all(|(a, b)| a.abs_diff(*b) <= 3), "image {image}");
+    }
+}
+
+#[test]
+fn linear_images_are_read_in_half_precision() {
+    let btf = loaded(&utia_files(radiance));
+    assert_eq!((btf.layout().encoding, btf.negative_values()), (Encoding::Linear, 0));
+    assert_eq!(btf.image_rgb8(0), None);
+    for range in [0..64, 100..180] {
+        let mut out = vec![0.0; 16 * 3 * range.len()];
+        btf.read_texels(range.clone(), &mut out).unwrap();
+        let expected: Vec<f32> = (0..16)
+            .flat_map(|i| range.clone().flat_map(move |t| radiance_value(t, i / 4, i % 4)))
+            .collect();
+        assert!(out == expected, "texels {range:?}");
+    }
+}
+
+#[test]
+fn exr_images_of_xyz_become_rgb_and_colours_below_zero_are_counted() {
+    let channels = |xyz: [f32; 3]| {
+        let named = ["X", "Y", "Z"].into_iter().zip(xyz);
+        let planes: Vec<(&str, Vec<f32>)> = named.map(|(n, v)| (n, vec![v; 6])).collect();
+        write_exr(3, 2, &planes).unwrap()
+    };
+    let btf = loaded(&utia_files(|_, _| channels([0.950_47, 1.0, 1.088_83])));
+    assert!(btf.image_rgb32f(3).iter().all(|value| (value - 1.0).abs() < 1e-3));
+    // Green light of one wavelength lies outside of what red, green and blue can mix.
+    let btf = loaded(&utia_files(|_, _| channels([0.2, 1.0, 0.1])));
+    assert_eq!(btf.negative_values(), 2 * 6 * 16);
+    assert!(btf.image_rgb32f(3).iter().all(|&value| value >= 0.0));
+
+    let planes = ["450", "550", "650"].map(|name| (name, vec![1.0; 6]));
+    let message = refusal(&utia_files(|_, _| write_exr(3, 2, &planes).unwrap()));
+    assert!(message.contains("450, 550, 650"), "{message}");
+}
+
+#[test]
+fn unusable_values_are_refused_with_their_place() {
+    let planes = ["R", "G", "B"].map(|name| (name, vec![1.0, 1.0, 1.0, 1.0, f32::INFINITY, 1.0]));
+    let mut files = utia_files(|_, _| write_exr(3, 2, &planes).unwrap());
+    let message = refusal(&files);
+    assert!(message.contains("column 1, row 1") && message.contains("inf (3"), "{message}");
+    // Linear images and others do not mix, whether their extensions tell or not.
+    for name in ["tl75 pl0 tv0 pv0.image", "tl75 pl0 tv0 pv0.hdr"] {
+        files = utia_files(|view, light| png(WIDTH, HEIGHT, &texels(view, light)));
+        files.push((name.to_owned(), radiance(0, 0)));
+        let message = refusal(&files);
+        assert!(message.contains(name) && message.contains("8-bit"), "{message}");
+    }
+}
+
+#[test]
+fn wide_and_transparent_png_images_are_narrowed_or_refused() {
+    let encode = |color, depth, data: &[u8]| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
+        bytes
+    };
+    for (color, depth, data, expected) in [
+        (png::ColorType::Rgb, png::BitDepth::Sixteen, &[255, 255, 1, 0, 0, 127][..], [255, 1, 0]),
+        (png::ColorType::Grayscale, png::BitDepth::Eight, &[7], [7, 7, 7]),
+        (png::ColorType::Grayscale, png::BitDepth::One, &[128], [255, 255, 255]),
+        (png::ColorType::Rgba, png::BitDepth::Eight, &[1, 2, 3, 255], [1, 2, 3]),
+    ] {
+        let btf = loaded(&utia_files(|_, _| encode(color, depth, data)));
+        assert_eq!(btf.image_rgb8(0).unwrap(), expected, "{color:?}");
+    }
+    let glass = encode(png::ColorType::Rgba, png::BitDepth::Eight, &[1, 2, 3, 254]);
+    assert!(refusal(&utia_files(|_, _| glass.clone())).contains("transparent"));
+}
+
+#[test]
+fn archives_with_a_password_and_lying_sizes_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wool.zip");
+    // Flags and sizes stand at fixed places behind the signature of each entry in the list.
+    for (at, value, word) in [(8, 0x01, "encrypted"), (27, 0x7f, "more than")] {
+        let mut bytes = zipped(&ubo_files());
+        let mut place = 0;
+        while let Some(next) = bytes[place..].windows(4).position(|w| w == b"PK\x01\x02") {
+            place += next;
+            bytes[place + at] |= value;
+            place += 4;
+        }
+        fs::write(&path, bytes).unwrap();
+        let message = open_btf(&path).unwrap_err().to_string();
+        assert!(message.contains(word) && message.contains("tl000 pl000"), "{message}");
+    }
+}
+
+/// One small image of each kind.
+fn kinds() -> [Vec<u8>; 5] {
+    let planes = ["R", "G", "B"].map(|name| (name, vec![0.5; WIDTH * HEIGHT]));
+    let mut coded = b"#?RADIANCE\nEXPOSURE=1.5\n\n-Y 2 +X 8\n".to_vec();
+    coded.extend([2, 2, 0, 8, 136, 9, 136, 8, 4, 1, 2, 3, 4, 132, 7, 136, 130]);
+    coded.extend([5, 6, 7, 130, 1, 1, 1, 3, 5, 6, 7, 130, 1, 1, 1, 3]);
+    [
+        png(WIDTH, HEIGHT, &texels(0, 0)),
+        jpeg(WIDTH, HEIGHT, &texels(0, 0)),
+        radiance(0, 0),
+        coded,
+        write_exr(WIDTH, HEIGHT, &planes).unwrap(),
+    ]
+}
+
+#[test]
+fn cut_and_damaged_images_are_read_or_refused() {
+    for bytes in kinds() {
+        read_btf_image(&bytes).unwrap();
+        for length in 0..bytes.len() {
+            // A JPEG may lack its last marker, a PNG its last chunk.
+            let outcome = read_btf_image(&bytes[..length]);
+            assert!(outcome.is_err() || length + 12 >= bytes.len(), "cut at {length}");
+        }
+        for at in 0..bytes.len().min(4_000) {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= flip;
+                let _ = read_btf_image(&damaged);
+            }
+        }
+    }
+}
+
+#[test]
+fn cut_and_damaged_archives_are_read_or_refused() {
+    let files = utia_files(|view, light| png(1, 1, &texels(view, light)[..3]));
+    let bytes = zipped(&files);
+    let read = |bytes: &[u8]| {
+        let bytes = MappedFile::from(bytes.to_vec());
+        let images = BtfImages::in_archive(Path::new("btf.zip"), bytes)?;
+        images.load(1 << 20, &|_| ())
+    };
+    read(&bytes).unwrap();
+    for length in (0..bytes.len()).step_by(7) {
+        assert!(read(&bytes[..length]).is_err(), "cut at {length}");
+    }
+    for at in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x81;
+        let _ = read(&damaged);
+    }
 }

@@ -3,17 +3,21 @@
 use std::io::Cursor;
 
 use half::f16;
+use half::slice::HalfFloatSliceExt as _;
 use png::{BitDepth, ColorType, Transformations};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
+use super::exr_picture::{exr_size, read_exr};
+use super::linear::halves;
+use super::rgbe::{read_rgbe, read_rgbe_header};
 use crate::FormatError;
 use crate::error::quoted;
 
 /// Texels in a row or column of an image.
-pub(crate) const LONGEST_SIDE: usize = 16_384;
+const LONGEST_SIDE: usize = 16_384;
 /// Texels that one byte may claim. Deflate packs at most 1032 bytes into one; a block of 64 texels
 /// of a JPEG takes at least one bit.
 const TEXELS_PER_BYTE: u64 = 1032;
@@ -25,6 +29,8 @@ const SMALLEST_CLAIM: u64 = 1 << 20;
 pub(crate) enum ImageKind {
     Jpeg,
     Png,
+    Radiance,
+    Exr,
 }
 
 impl ImageKind {
@@ -34,9 +40,11 @@ impl ImageKind {
         match () {
             () if starts(b"\xff\xd8\xff") => Ok(Self::Jpeg),
             () if starts(b"\x89PNG\r\n\x1a\n") => Ok(Self::Png),
+            () if starts(b"#?") => Ok(Self::Radiance),
+            () if starts(&[0x76, 0x2f, 0x31, 0x01]) => Ok(Self::Exr),
             () => Err(FormatError::Missing {
                 what: format!("image: it starts with {}", start(bytes)),
-                expected: "JPEG or PNG".to_owned(),
+                expected: "JPEG, PNG, Radiance HDR or OpenEXR".to_owned(),
             }),
         }
     }
@@ -45,6 +53,7 @@ impl ImageKind {
     pub(crate) fn is_linear(self) -> bool {
         match self {
             Self::Jpeg | Self::Png => false,
+            Self::Radiance | Self::Exr => true,
         }
     }
 }
@@ -53,44 +62,73 @@ fn start(bytes: &[u8]) -> String {
     quoted(&String::from_utf8_lossy(&bytes[..bytes.len().min(12)]))
 }
 
-/// A decoded image: texels row by row from the top, three channels each.
-#[derive(Debug)]
-pub(crate) enum Texels {
-    /// Display-referred.
-    Srgb(Vec<u8>),
-    /// Linear, finite, 0 and above.
-    #[expect(dead_code, reason = "readers of linear images follow")]
-    Linear(Vec<f16>),
+/// Width and height that the header of an image claims, and that the file may hold.
+pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
+    let size = match ImageKind::of(bytes)? {
+        ImageKind::Jpeg => jpeg(bytes).map(|decoder| jpeg_size(&decoder)),
+        ImageKind::Png => png(bytes).map(|reader| png_size(&reader)),
+        ImageKind::Radiance => read_rgbe_header(bytes).map(|header| header.size),
+        ImageKind::Exr => exr_size(bytes),
+    }?;
+    check_claim(bytes, size)?;
+    Ok(size)
 }
 
-impl Texels {
-    /// The values as they lie in memory.
-    pub(crate) fn as_bytes(&self) -> &[u8] {
-        match self {
-            Self::Srgb(values) => values,
-            Self::Linear(values) => bytemuck::cast_slice(values),
+/// Width, height and texels of one image, row by row from the top, three channels each: in [0, 1] as
+/// sRGB has them if the image has 8 or 16 bits, else linear.
+///
+/// # Errors
+///
+/// [`FormatError`] for what is no image, a damaged one, and values that half precision cannot hold.
+pub fn read_btf_image(bytes: &[u8]) -> Result<([usize; 2], Vec<f32>), FormatError> {
+    let size = image_size(bytes)?;
+    let values = 3 * size[0] * size[1];
+    let values = if ImageKind::of(bytes)?.is_linear() {
+        let mut halves = vec![f16::ZERO; values];
+        decode_image(bytes, bytemuck::cast_slice_mut(&mut halves))?;
+        halves.to_f32_vec()
+    } else {
+        let mut stored = vec![0; values];
+        decode_image(bytes, &mut stored)?;
+        stored.iter().map(|&byte| f32::from(byte) / 255.0).collect()
+    };
+    Ok((size, values))
+}
+
+/// Decodes an image of any kind into room for its [`image_size`]: texels row by row from the top, three
+/// values each, bytes of display-referred images and halves in the machine's byte order of linear
+/// ones. Returns how many linear values were below zero and became zero.
+pub(crate) fn decode_image(bytes: &[u8], out: &mut [u8]) -> Result<u64, FormatError> {
+    match ImageKind::of(bytes)? {
+        ImageKind::Jpeg => decode_jpeg(bytes, out).map(|()| 0),
+        ImageKind::Png => fill(out, &decode_png(bytes)?).map(|()| 0),
+        ImageKind::Radiance => {
+            let header = read_rgbe_header(bytes)?;
+            check_claim(bytes, header.size)?;
+            let (halves, negative) = halves(&read_rgbe(bytes, &header)?, header.size[0])?;
+            fill(out, bytemuck::cast_slice(&halves)).map(|()| negative)
+        }
+        ImageKind::Exr => {
+            let size = exr_size(bytes)?;
+            check_claim(bytes, size)?;
+            let (halves, negative) = halves(&read_exr(bytes)?, size[0])?;
+            fill(out, bytemuck::cast_slice(&halves)).map(|()| negative)
         }
     }
 }
 
-/// Width and height that the header of an image claims.
-pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
-    match ImageKind::of(bytes)? {
-        ImageKind::Jpeg => jpeg(bytes).map(|decoder| jpeg_size(&decoder)),
-        ImageKind::Png => png(bytes).map(|reader| png_size(&reader)),
+/// Copies, if the picture is as large as its header said.
+fn fill(out: &mut [u8], values: &[u8]) -> Result<(), FormatError> {
+    if out.len() != values.len() {
+        let hint = " as the header says";
+        return Err(FormatError::Size { found: values.len(), expected: out.len(), hint });
     }
-}
-
-/// Decodes an image of any kind.
-pub(crate) fn decode_image(bytes: &[u8]) -> Result<Texels, FormatError> {
-    match ImageKind::of(bytes)? {
-        ImageKind::Jpeg => decode_jpeg(bytes),
-        ImageKind::Png => decode_png(bytes),
-    }
+    out.copy_from_slice(values);
+    Ok(())
 }
 
 /// Decoders make room for what a header claims, so the claim is held against the file first.
-pub(crate) fn check_claim(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatError> {
+fn check_claim(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatError> {
     let [width, height] = size;
     if width == 0 || height == 0 || width > LONGEST_SIDE || height > LONGEST_SIDE {
         return Err(FormatError::Missing {
@@ -109,8 +147,10 @@ pub(crate) fn check_claim(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatEr
     Ok(())
 }
 
-fn jpeg_error(error: impl std::fmt::Debug) -> FormatError {
-    FormatError::Library { what: "JPEG", problem: quoted(&format!("{error:?}")) }
+fn jpeg_error(problem: impl ToString) -> FormatError {
+    // Some of the decoder's messages are quoted, some span lines.
+    let problem = problem.to_string().replace(['\n', '"'], " ").trim().to_owned();
+    FormatError::Library { what: "JPEG", problem }
 }
 
 /// A decoder that has read the header, whose size it held against the file.
@@ -131,13 +171,12 @@ fn jpeg_size(decoder: &JpegDecoder<ZCursor<&[u8]>>) -> [usize; 2] {
     decoder.dimensions().unwrap_or_default().into()
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Texels, FormatError> {
+fn decode_jpeg(bytes: &[u8], out: &mut [u8]) -> Result<(), FormatError> {
     let mut decoder = jpeg(bytes)?;
-    let values = decoder.decode().map_err(jpeg_error)?;
-    if values.len() != 3 * jpeg_size(&decoder).iter().product::<usize>() {
+    if decoder.output_buffer_size() != Some(out.len()) {
         return Err(jpeg_error("other channels than grey or RGB"));
     }
-    Ok(Texels::Srgb(values))
+    decoder.decode_into(out).map_err(jpeg_error)
 }
 
 fn png_error(problem: impl ToString) -> FormatError {
@@ -158,7 +197,7 @@ fn png_size(reader: &png::Reader<Cursor<&[u8]>>) -> [usize; 2] {
     [width as usize, height as usize]
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Texels, FormatError> {
+fn decode_png(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
     let mut reader = png(bytes)?;
     let length = reader.output_buffer_size().ok_or_else(|| png_error("too large"))?;
     let mut values = vec![0; length];
@@ -167,7 +206,7 @@ fn decode_png(bytes: &[u8]) -> Result<Texels, FormatError> {
     if depth == BitDepth::Sixteen {
         values = narrowed(&values);
     }
-    let texels = match color {
+    Ok(match color {
         ColorType::Rgb => values,
         ColorType::Grayscale => values.iter().flat_map(|&grey| [grey; 3]).collect(),
         ColorType::GrayscaleAlpha => {
@@ -175,8 +214,7 @@ fn decode_png(bytes: &[u8]) -> Result<Texels, FormatError> {
         }
         ColorType::Rgba => opaque::<4>(&values)?.flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
         ColorType::Indexed => return Err(png_error("palette without colours")),
-    };
-    Ok(Texels::Srgb(texels))
+    })
 }
 
 /// 16-bit values, big-endian, rounded to 8 bits.

@@ -172,3 +172,16 @@ fn file_error(name: &str, action: &'static str) -> impl FnOnce(io::Error) -> Btf
     let name = if name.is_empty() { "." } else { name }.to_owned();
     move |problem| BtfError::File { name, action, problem }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_bytes_than_an_image_has_are_refused_whatever_is_claimed() {
+        for claimed in [10, LONGEST + 1, u64::MAX] {
+            let error = read_limited(io::repeat(0), claimed, "bomb.png").unwrap_err();
+            assert!(matches!(error, BtfError::TooLong { .. }), "{error}");
+        }
+    }
+}

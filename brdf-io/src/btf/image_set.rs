@@ -55,13 +55,13 @@ impl BtfImages {
         Self::of(path, Files::in_folder(path)?)
     }
 
-    /// Looks at a ZIP archive of images in any folders.
+    /// Looks at a ZIP archive of images in any folders. Messages name it by its path.
     ///
     /// # Errors
     ///
-    /// [`IoError::File`]; [`IoError::Btf`] as for folders, and for what is no archive.
-    pub fn in_archive(path: &Path) -> Result<Self, IoError> {
-        Self::of(path, Files::in_archive(path, MappedFile::open(path)?)?)
+    /// [`IoError::Btf`] as for folders, and for what is no archive.
+    pub fn in_archive(path: &Path, bytes: MappedFile) -> Result<Self, IoError> {
+        Self::of(path, Files::in_archive(path, bytes)?)
     }
 
     fn of(path: &Path, files: Files) -> Result<Self, IoError> {

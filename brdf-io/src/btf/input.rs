@@ -2,20 +2,25 @@
 
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 use btf_vq::{BtfLayout, BtfSource, SourceError};
 
+use super::bonn_header::is_bonn;
 use super::files::ZIP_MAGIC;
-use super::{BtfImages, LoadedBtf};
+use super::{BtfFile, BtfImages, BtfNotes, LoadedBtf};
 use crate::error::quoted;
 use crate::{FormatError, IoError, MappedFile};
 
 /// A BTF of which directions and size are known, and nothing is decoded.
 #[derive(Debug)]
 #[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "there is one for each file")]
 pub enum BtfInput {
     /// One image for each view and light.
     Images(BtfImages),
+    /// A `.btf` file.
+    File(Arc<BtfFile>),
 }
 
 /// A BTF that can be read block by block.
@@ -24,9 +29,11 @@ pub enum BtfInput {
 pub enum Btf {
     /// One image for each view and light.
     Images(LoadedBtf),
+    /// A `.btf` file.
+    File(Arc<BtfFile>),
 }
 
-/// Opens a folder or a ZIP archive of images.
+/// Opens a folder or a ZIP archive of images, or a `.btf` file.
 ///
 /// # Errors
 ///
@@ -37,12 +44,16 @@ pub fn open_btf(path: &Path) -> Result<BtfInput, IoError> {
     }
     let bytes = MappedFile::open(path)?;
     if ZIP_MAGIC.iter().any(|magic| bytes.starts_with(magic)) {
-        return BtfImages::in_archive(path).map(BtfInput::Images);
+        return BtfImages::in_archive(path, bytes).map(BtfInput::Images);
+    }
+    if is_bonn(&bytes) {
+        let file = BtfFile::new(bytes).map_err(IoError::format(path))?;
+        return Ok(BtfInput::File(Arc::new(file)));
     }
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(16)]);
     Err(IoError::format(path)(FormatError::Missing {
         what: format!("BTF: it starts with {}", quoted(&start)),
-        expected: "a folder or ZIP archive of images named by angles".to_owned(),
+        expected: "a folder or ZIP archive of images named by angles, or a .btf file".to_owned(),
     }))
 }
 
@@ -51,6 +62,15 @@ impl BtfInput {
     pub fn layout(&self) -> &BtfLayout {
         match self {
             Self::Images(images) => images.layout(),
+            Self::File(file) => file.layout(),
+        }
+    }
+
+    /// What is unusual about a set of images.
+    pub fn notes(&self) -> Option<&BtfNotes> {
+        match self {
+            Self::Images(images) => Some(images.notes()),
+            Self::File(_) => None,
         }
     }
 
@@ -66,6 +86,7 @@ impl BtfInput {
     ) -> Result<Btf, IoError> {
         match self {
             Self::Images(images) => images.load(memory_limit, progress).map(Btf::Images),
+            Self::File(file) => Ok(Btf::File(Arc::clone(file))),
         }
     }
 }
@@ -74,12 +95,14 @@ impl BtfSource for Btf {
     fn layout(&self) -> &BtfLayout {
         match self {
             Self::Images(images) => images.layout(),
+            Self::File(file) => file.layout(),
         }
     }
 
     fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError> {
         match self {
             Self::Images(images) => images.read_texels(texels, out),
+            Self::File(file) => file.read_texels(texels, out),
         }
     }
 }

@@ -7,7 +7,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 use rayon::prelude::*;
 
-use super::decode::{ImageKind, Texels, decode_image, image_size};
+use super::decode::{ImageKind, decode_image, image_size};
 use super::store::{BLOCK, BlockStore};
 use super::{BtfError, BtfImages};
 use crate::IoError;
@@ -23,6 +23,7 @@ const LEAST_PER_THREAD: usize = 2;
 pub struct LoadedBtf {
     layout: BtfLayout,
     store: BlockStore,
+    negative_values: u64,
 }
 
 impl BtfImages {
@@ -47,27 +48,42 @@ impl BtfImages {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<LoadedBtf, BtfError> {
         let layout = self.layout().clone();
-        // A header that lies about the size is found before room is made for all images.
-        self.decode(0)?;
         let (images, texels) = (layout.image_count(), layout.texel_count());
         let value_size = value_size(layout.encoding);
+        // A header that lies about the size is found before room is made for all images.
+        self.decode(0, &mut vec![0; 3 * value_size * texels])?;
         let mut store = BlockStore::new(images, texels, value_size, memory_limit)?;
-        let batch = batch_size(3 * value_size * texels);
-        for first in (0..images).step_by(batch) {
-            let decoded: Vec<Result<Texels, BtfError>> = (first..images.min(first + batch))
-                .into_par_iter()
-                .map(|image| self.decode(image).inspect(|_| progress(1)))
-                .collect();
-            // The first problem in the order of images, on any number of threads.
-            let decoded: Vec<Texels> = decoded.into_iter().collect::<Result<_, _>>()?;
-            let bytes: Vec<&[u8]> = decoded.iter().map(Texels::as_bytes).collect();
-            store.put(first, &bytes);
+        let image_bytes = 3 * value_size * texels;
+        let mut batch = vec![0; image_bytes * batch_size(image_bytes).min(images)];
+        let mut negative_values = 0;
+        for first in (0..images).step_by(batch.len() / image_bytes) {
+            let count = (images - first).min(batch.len() / image_bytes);
+            let batch = &mut batch[..count * image_bytes];
+            negative_values += self.decode_batch(first, image_bytes, batch, progress)?;
+            store.put(first, &batch.chunks_exact(image_bytes).collect::<Vec<_>>());
         }
-        Ok(LoadedBtf { layout, store })
+        Ok(LoadedBtf { layout, store, negative_values })
+    }
+
+    /// Decodes consecutive images; returns how many values below zero they have.
+    fn decode_batch(
+        &self,
+        first: usize,
+        image_bytes: usize,
+        out: &mut [u8],
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<u64, BtfError> {
+        let decode = |(number, out): (usize, &mut [u8])| {
+            self.decode(first + number, out).inspect(|_| progress(1))
+        };
+        let outcomes: Vec<Result<u64, BtfError>> =
+            out.par_chunks_exact_mut(image_bytes).enumerate().map(decode).collect();
+        // The first problem in the order of images, on any number of threads.
+        outcomes.into_iter().sum()
     }
 
     /// Decodes an image, which must be like the first one.
-    fn decode(&self, image: usize) -> Result<Texels, BtfError> {
+    fn decode(&self, image: usize, out: &mut [u8]) -> Result<u64, BtfError> {
         let name = || self.name(image).to_owned();
         let problem = |problem| BtfError::Image { name: name(), problem };
         let bytes = self.read(image)?;
@@ -82,7 +98,7 @@ impl BtfImages {
             let other = self.name(0).to_owned();
             return Err(BtfError::Sizes { name: name(), size, expected, other });
         }
-        decode_image(&bytes).map_err(problem)
+        decode_image(&bytes, out).map_err(problem)
     }
 }
 
@@ -100,6 +116,12 @@ fn value_size(encoding: Encoding) -> usize {
 }
 
 impl LoadedBtf {
+    /// How many values of linear images were below zero and became zero, as colours outside the
+    /// gamut do.
+    pub fn negative_values(&self) -> u64 {
+        self.negative_values
+    }
+
     /// A whole display-referred image, row by row from the top, three channels a texel; none if
     /// images are linear.
     ///

@@ -1,18 +1,28 @@
-//! Bidirectional texture functions: sets of images named by their directions, and the maps that
-//! such images are made from.
+//! Bidirectional texture functions: sets of images named by their directions, binary files, and the
+//! maps that images are made from.
 
+mod bonn_factors;
+mod bonn_file;
+mod bonn_header;
+mod bonn_texels;
+mod colour_model;
 mod decode;
 mod error;
+mod exr_picture;
 mod files;
 mod image_set;
 mod input;
+mod linear;
 mod loaded;
 mod maps;
 mod names;
+mod rgbe;
 mod srgb;
 mod store;
 mod ubo_writer;
 
+pub use bonn_file::BtfFile;
+pub use decode::read_btf_image;
 pub use error::BtfError;
 pub use image_set::{BtfImages, BtfNotes};
 pub use input::{Btf, BtfInput, open_btf};

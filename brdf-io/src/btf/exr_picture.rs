@@ -1,0 +1,69 @@
+//! OpenEXR images: red, green and blue, or CIE XYZ as UTIA stores them.
+
+use std::io::Cursor;
+
+use exr::meta::MetaData;
+use exr::prelude::{AnyChannels, FlatSamples, Layer, ReadChannels as _, ReadLayers as _};
+
+use super::linear::xyz_to_rgb;
+use crate::FormatError;
+
+fn exr_error(problem: impl ToString) -> FormatError {
+    FormatError::Library { what: "EXR", problem: problem.to_string().replace('\n', " ") }
+}
+
+/// Width and height of the first flat layer.
+pub(crate) fn exr_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(exr_error)?;
+    let header = meta.headers.iter().find(|header| !header.deep);
+    let size = header.ok_or_else(|| exr_error("deep data only"))?.layer_size;
+    Ok([size.width(), size.height()])
+}
+
+/// Decodes linear Rec. 709 values row by row. A caller has held the size against the file.
+pub(crate) fn read_exr(bytes: &[u8]) -> Result<Vec<f32>, FormatError> {
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        // Images are decoded in parallel already.
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(exr_error)?;
+    let layer = image.layer_data;
+    let texels = layer.size.area();
+    if let Some(alpha) = channel(&layer, "A")
+        && let Some(at) = (0..texels).find(|&at| value(alpha, at) < 1.0)
+    {
+        // What lies behind such a texel nobody knows.
+        return Err(exr_error(format!("texel {at} is transparent")));
+    }
+    let channels = |names: [&str; 3]| {
+        let [Some(a), Some(b), Some(c)] = names.map(|name| channel(&layer, name)) else {
+            return None;
+        };
+        Some((0..texels).map(move |at| [value(a, at), value(b, at), value(c, at)]))
+    };
+    if let Some(rgb) = channels(["R", "G", "B"]) {
+        Ok(rgb.flatten().collect())
+    } else if let Some(xyz) = channels(["X", "Y", "Z"]) {
+        Ok(xyz.flat_map(xyz_to_rgb).collect())
+    } else {
+        let names = layer.channel_data.list.iter().map(|c| c.name.to_string());
+        Err(FormatError::Missing {
+            what: format!("colour: the channels are {}", names.collect::<Vec<_>>().join(", ")),
+            expected: "R, G and B, or X, Y and Z".to_owned(),
+        })
+    }
+}
+
+fn channel<'a>(layer: &'a Layer<AnyChannels<FlatSamples>>, name: &str) -> Option<&'a FlatSamples> {
+    let mut channels = layer.channel_data.list.iter();
+    channels.find(|channel| channel.name.eq(name)).map(|channel| &channel.sample_data)
+}
+
+fn value(samples: &FlatSamples, at: usize) -> f32 {
+    samples.value_by_flat_index(at).to_f32()
+}
