@@ -82,6 +82,9 @@ pub enum FormatError {
     /// The numbers make no sum of products.
     #[error(transparent)]
     Separable(#[from] SeparableError),
+    /// The books make no texture.
+    #[error(transparent)]
+    Btf(#[from] btf_vq::VqError),
     /// The numbers make no projection.
     #[error("projection {index}: {problem}")]
     Projection {

@@ -31,8 +31,9 @@ pub use btf::{
     UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_btf_image, read_map,
 };
 pub use container::{
-    Contained, FitRecord, FitSettings, ModelFile, RankRecord, SearchSettings, SeparableFile,
-    SeparableRecord, SeparableSettings, TermRecord, model_to_bytes, read_container, record_of,
+    BtfModelFile, BtfRecord, Contained, FitRecord, FitSettings, ModelFile, RankRecord,
+    SearchSettings, SeparableFile, SeparableRecord, SeparableSettings, TermRecord,
+    btf_model_to_bytes, model_to_bytes, open_btf_model, parse_btf_model, read_container, record_of,
     samples_to_bytes, separable_to_bytes, table_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};

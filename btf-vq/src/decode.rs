@@ -137,6 +137,9 @@ pub struct Decoder<'a> {
     p3: ScaledBook<'a>,
     p4: ScaledBook<'a>,
     levels: Vec<Texture<'a>>,
+    /// Integral of each row of P1 over β, and of each row of P2 over both, in nodes.
+    p1_mass: Vec<f32>,
+    p2_mass: Vec<f32>,
 }
 
 impl VqModel {
@@ -156,7 +159,7 @@ impl VqModel {
             Texture { width, height, p6: ScaledBook::new(bytes, 1, rows.p4, &texture.scale) }
         });
         let m_low_bits = index_bits(rows.p2);
-        Some(Decoder {
+        let mut decoder = Decoder {
             grid,
             encoding: header.encoding,
             chroma: header.chroma,
@@ -173,7 +176,22 @@ impl VqModel {
             p3: ScaledBook::new(self.stream(6), grid.thetas, rows.m, &header.p3),
             p4: ScaledBook::new(self.stream(7), grid.phis, rows.p3, &header.p4),
             levels: levels.collect(),
-        })
+            p1_mass: Vec::new(),
+            p2_mass: Vec::new(),
+        };
+        decoder.p1_mass = (0..rows.p1)
+            .map(|row| {
+                let values = (0..grid.betas).map(|at| decoder.p1_value(row, at));
+                values.zip(AngularGrid::trapezoid(grid.betas)).map(|(v, w)| v * w).sum()
+            })
+            .collect();
+        decoder.p2_mass = (0..rows.p2)
+            .map(|row| {
+                let masses = (0..grid.alphas).map(|at| decoder.row_mass(row, at));
+                masses.zip(AngularGrid::trapezoid(grid.alphas)).map(|(v, w)| v * w).sum()
+            })
+            .collect();
+        Some(decoder)
     }
 }
 
@@ -270,6 +288,84 @@ impl Decoder<'_> {
             }
         }
         sum
+    }
+
+    /// A value of a row of P1.
+    #[inline]
+    pub(crate) fn p1_value(&self, row: usize, beta: usize) -> f32 {
+        self.p1_line.at(self.p1.get(row, beta))
+    }
+
+    /// Row of P1 and scale that a row of P2 has at an α.
+    #[inline]
+    pub(crate) fn p1_row(&self, p2: usize, alpha: usize) -> (usize, f32) {
+        self.p2.get(p2, alpha.min(self.grid.alphas - 1))
+    }
+
+    /// Integral over β of a row of P2 at an α.
+    #[inline]
+    pub(crate) fn row_mass(&self, p2: usize, alpha: usize) -> f32 {
+        let (p1, scale) = self.p1_row(p2, alpha);
+        scale * self.p1_mass[p1]
+    }
+
+    /// Integral over α and β of a row of P2.
+    #[inline]
+    pub(crate) fn slice_mass(&self, p2: usize) -> f32 {
+        self.p2_mass[p2]
+    }
+
+    /// Row of P2 and scale, without that of P6, of a texel of the finest level for a view `[phi][theta]`.
+    #[inline]
+    pub(crate) fn view_slice(&self, texel: usize, view: usize) -> (usize, f32) {
+        let (p4, _) = self.levels[0].p6.get(texel, 0);
+        let (p3, s4) = self.p4.get(p4, view / self.grid.thetas);
+        let (m, s3) = self.p3.get(p3, view % self.grid.thetas);
+        (self.merged(m).0, s4 * s3)
+    }
+
+    /// Luminance of a texel of the finest level, without the scale of P6.
+    #[inline]
+    pub(crate) fn luminance(&self, texel: usize, taps: &Taps) -> f32 {
+        let (p4, _) = self.levels[0].p6.get(texel, 0);
+        let mut sum = 0.0;
+        for (phi, w_phi) in taps.view.phi.iter() {
+            let (p3, s4) = self.p4.get(p4, phi);
+            for (theta, w_theta) in taps.view.theta.iter() {
+                let (m, s3) = self.p3.get(p3, theta);
+                let (p2, _) = self.merged(m);
+                let weight = w_phi * w_theta * s4 * s3;
+                for (alpha, w_alpha) in taps.light.alpha.iter() {
+                    let (p1, s2) = self.p2.get(p2, alpha);
+                    for (beta, w_beta) in taps.light.beta.iter() {
+                        sum += weight * w_alpha * w_beta * s2 * self.p1_value(p1, beta);
+                    }
+                }
+            }
+        }
+        sum
+    }
+
+    /// Adds the luminance of a texel for a view of the grid, `[phi][theta]`, times a weight.
+    pub(crate) fn add_view_luminance(
+        &self,
+        level: usize,
+        texel: usize,
+        view: usize,
+        weight: f32,
+        out: &mut [f32],
+    ) {
+        let (p4, s6) = self.levels[level].p6.get(texel, 0);
+        let (p3, s4) = self.p4.get(p4, view / self.grid.thetas);
+        let (m, s3) = self.p3.get(p3, view % self.grid.thetas);
+        let (p2, _) = self.merged(m);
+        for (alpha, slice) in out.chunks_exact_mut(self.grid.betas).enumerate() {
+            let (p1, s2) = self.p2.get(p2, alpha);
+            let scale = weight * s6 * s4 * s3 * s2;
+            for (beta, value) in slice.iter_mut().enumerate() {
+                *value += scale * self.p1_value(p1, beta);
+            }
+        }
     }
 
     /// RGB of many texels of the finest level, each with taps of its own.

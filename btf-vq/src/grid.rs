@@ -240,6 +240,11 @@ impl AngularGrid {
         }
     }
 
+    /// The taps of a position between the light's nodes, counted in nodes along α and β.
+    pub fn place_taps(&self, alpha: f64, beta: f64) -> LightTaps {
+        LightTaps { alpha: Pair::around(alpha, self.alphas), beta: Pair::around(beta, self.betas) }
+    }
+
     /// Weights of the trapezoidal rule along one side of the light grid.
     pub fn trapezoid(count: usize) -> impl Iterator<Item = f32> + Clone {
         (0..count).map(move |i| if i == 0 || i + 1 == count { 0.5 } else { 1.0 })

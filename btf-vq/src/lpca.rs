@@ -409,7 +409,7 @@ impl LpcaModel {
             })
             .map(|s| if s.min.is_finite() { s } else { Steps { min: 0.0, step: 0.0 } })
             .collect();
-        let mut ranges = Vec::from([0..bytes.len()]);
+        let mut ranges: Vec<Range<usize>> = std::iter::once(0..bytes.len()).collect();
         let mut texel = 0;
         for material in &materials {
             for level in 0..material.levels {

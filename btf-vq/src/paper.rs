@@ -553,21 +553,22 @@ impl Encoder {
             Measure::Ssim(_) => FEW,
         };
         let nodes = self.grid.node_count();
-        let (blocks, _) = set.resampler.map_blocks(set.source, 0..set.len(), |texels, values| {
-            let slices = self.slices(values);
-            let nearest = self.p4.set.nearest_few(&slices.luma, &slices.chroma, few);
-            progress(texels.len());
-            let entries = nearest.iter().enumerate().map(|(at, nearest)| {
-                let luma = &slices.luma[at * nodes..][..nodes];
-                let chroma = &slices.chroma[2 * at * nodes..][..2 * nodes];
-                let best = match few {
-                    1 => nearest.first().copied(),
-                    _ => self.most_similar(Level::P4, nearest, luma, chroma).map(|best| best.0),
-                };
-                best.map_or(Entry { row: 0, scale: 0.0 }, |found| self.p4.entry(found))
-            });
-            entries.collect::<Vec<Entry>>()
-        })?;
+        let (blocks, _) =
+            set.resampler.map_blocks(set.source, 0..set.len(), |texels, values| {
+                let slices = self.slices(values);
+                let nearest = self.p4.set.nearest_few(&slices.luma, &slices.chroma, few);
+                progress(texels.len());
+                let entries = nearest.iter().enumerate().map(|(at, nearest)| {
+                    let luma = &slices.luma[at * nodes..][..nodes];
+                    let chroma = &slices.chroma[2 * at * nodes..][..2 * nodes];
+                    let best = match few {
+                        1 => nearest.first().copied(),
+                        _ => self.most_similar(Level::P4, nearest, luma, chroma).map(|best| best.0),
+                    };
+                    best.map_or(Entry { row: 0, scale: 0.0 }, |found| self.p4.entry(found))
+                });
+                entries.collect::<Vec<Entry>>()
+            })?;
         let mut texture = IndexBook { len: 1, ..IndexBook::default() };
         extend(&mut texture, &blocks.concat());
         Ok(texture)
@@ -580,12 +581,7 @@ fn extend(book: &mut IndexBook, entries: &[Entry]) {
 }
 
 /// One of equal parts of a slice: of its luminance and of both its chrominances.
-fn cut<'a>(
-    luma: &'a [f32],
-    chroma: &'a [f32],
-    parts: usize,
-    part: usize,
-) -> (&'a [f32], Vec<f32>) {
+fn cut<'a>(luma: &'a [f32], chroma: &'a [f32], parts: usize, part: usize) -> (&'a [f32], Vec<f32>) {
     let len = luma.len() / parts;
     let half = chroma.len() / 2;
     let each = half / parts;

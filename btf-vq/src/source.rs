@@ -5,6 +5,8 @@ use std::ops::Range;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::BLOCK;
+
 /// What the numbers of a BTF mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -79,4 +81,25 @@ pub trait BtfSource: Sync {
     ///
     /// If `texels` goes past the last one or `out` has another size.
     fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError>;
+
+    /// A whole image, `out[texel][rgb]`. Sources that keep images together do this faster than by
+    /// blocks.
+    ///
+    /// # Errors
+    ///
+    /// What the source says if it cannot be read.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such image or `out` has another size.
+    fn read_image(&self, image: usize, out: &mut [f32]) -> Result<(), SourceError> {
+        let layout = self.layout();
+        let mut block = Vec::new();
+        for (first, out) in (0..).step_by(BLOCK).zip(out.chunks_mut(3 * BLOCK)) {
+            block.resize(layout.image_count() * out.len(), 0.0);
+            self.read_texels(first..first + out.len() / 3, &mut block)?;
+            out.copy_from_slice(&block[image * out.len()..][..out.len()]);
+        }
+        Ok(())
+    }
 }

@@ -125,6 +125,20 @@ impl Survey {
         self.energies.len()
     }
 
+    /// Every `step`-th texel.
+    pub(crate) fn every(&self, step: usize) -> Self {
+        let chosen = self.coefficients.chunks_exact(self.space.dims).step_by(step);
+        Self {
+            coefficients: chosen.flatten().copied().collect(),
+            energies: self.energies.iter().step_by(step).copied().collect(),
+            grid: self.grid,
+            encoding: self.encoding,
+            root_weights: self.root_weights.clone(),
+            space: self.space.clone(),
+            clamped: 0,
+        }
+    }
+
     /// Share of the energy that the subspace misses.
     pub fn missed(&self) -> f64 {
         let total: f64 = self.energies.iter().map(|e| f64::from(*e)).sum();

@@ -99,6 +99,13 @@ impl BtfSource for Btf {
         }
     }
 
+    fn read_image(&self, image: usize, out: &mut [f32]) -> Result<(), SourceError> {
+        match self {
+            Self::Images(images) => images.read_image(image, out),
+            Self::File(file) => file.read_image(image, out),
+        }
+    }
+
     fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError> {
         match self {
             Self::Images(images) => images.read_texels(texels, out),

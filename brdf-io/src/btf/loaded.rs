@@ -122,29 +122,6 @@ impl LoadedBtf {
         self.negative_values
     }
 
-    /// A whole display-referred image, row by row from the top, three channels a texel; none if
-    /// images are linear.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such image.
-    pub fn image_rgb8(&self, image: usize) -> Option<Vec<u8>> {
-        (self.layout.encoding == Encoding::Srgb).then(|| self.image_bytes(image))
-    }
-
-    /// A whole image, row by row from the top, three channels a texel, as
-    /// [`BtfLayout::encoding`] says.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such image.
-    pub fn image_rgb32f(&self, image: usize) -> Vec<f32> {
-        let bytes = self.image_bytes(image);
-        let mut values = vec![0.0; 3 * self.layout.texel_count()];
-        self.widen(&bytes, &mut values);
-        values
-    }
-
     fn image_bytes(&self, image: usize) -> Vec<u8> {
         let texels = self.layout.texel_count();
         let mut bytes: Vec<u8> = (0..texels.div_ceil(BLOCK))
@@ -172,6 +149,11 @@ impl LoadedBtf {
 impl BtfSource for LoadedBtf {
     fn layout(&self) -> &BtfLayout {
         &self.layout
+    }
+
+    fn read_image(&self, image: usize, out: &mut [f32]) -> Result<(), SourceError> {
+        self.widen(&self.image_bytes(image), out);
+        Ok(())
     }
 
     fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError> {

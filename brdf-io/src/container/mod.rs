@@ -10,6 +10,8 @@
 //! their charts, `first` with one channel where its textures are scalar; where both sides share
 //! textures, `signs`, f32 `[term, channel]`, in place of `second`.
 //!
+//! A compressed BTF: packed books as tensors of bytes.
+//!
 //! A MERL-grid table: one tensor `cells`, f32 `[theta_h, theta_d, phi_d, channel]`, negative where
 //! invalid. Scattered samples: `directions`, f64 `[sample, 6]` (wi, then wo), and `values`, f64
 //! `[sample, channel]`.
@@ -25,8 +27,10 @@ use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 
+mod btf;
 mod separable;
 
+pub use btf::{BtfModelFile, BtfRecord, btf_model_to_bytes, open_btf_model, parse_btf_model};
 pub use separable::{
     RankRecord, SeparableFile, SeparableRecord, SeparableSettings, separable_to_bytes,
 };
@@ -45,6 +49,8 @@ enum Kind {
     Separable,
     MerlTable,
     Samples,
+    BtfVq,
+    BtfLpca,
 }
 
 /// The part of the record that every kind has.
@@ -297,6 +303,12 @@ pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, For
         Kind::Separable => Contained::Separable(Box::new(separable::read(record, &tensors)?)),
         Kind::MerlTable => Contained::Table(read_cells(&tensors, lookup)?),
         Kind::Samples => Contained::Samples(read_samples(&tensors)?),
+        Kind::BtfVq | Kind::BtfLpca => {
+            return Err(FormatError::Missing {
+                what: "BRDF: this is a compressed BTF".to_owned(),
+                expected: "one of the commands of `brdf btf` for it".to_owned(),
+            });
+        }
     })
 }
 

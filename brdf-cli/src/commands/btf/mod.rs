@@ -1,5 +1,13 @@
 //! `brdf btf`: bidirectional texture functions.
 
+mod compare;
+mod compress;
+mod decompress;
+mod eval;
+mod info;
+mod loading;
+mod render;
+mod sample;
 mod synth;
 
 use std::io::Write;
@@ -7,16 +15,33 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-/// Work with bidirectional texture functions: images of a surface for pairs of view and light
+/// Work with bidirectional texture functions (BTFs): images of a surface for pairs of view and light
+///
+/// IN is a folder or ZIP archive of images named by angles (UBO2003, ATRIUM, UTIA) or a .btf file
+/// (UBO2014). MODEL is what `brdf btf compress` wrote.
 #[derive(Subcommand)]
 pub(super) enum Btf {
     Synth(synth::Synth),
+    Info(info::Info),
+    Compress(compress::Compress),
+    Compare(compare::Compare),
+    Decompress(decompress::Decompress),
+    Eval(eval::Eval),
+    Sample(sample::Sample),
+    Render(render::Render),
 }
 
 impl Btf {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         match self {
             Self::Synth(command) => command.run(out),
+            Self::Info(command) => command.run(out),
+            Self::Compress(command) => command.run(out),
+            Self::Compare(command) => command.run(out),
+            Self::Decompress(command) => command.run(out),
+            Self::Eval(command) => command.run(out),
+            Self::Sample(command) => command.run(out),
+            Self::Render(command) => command.run(out),
         }
     }
 }

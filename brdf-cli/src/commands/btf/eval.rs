@@ -1,0 +1,96 @@
+//! `brdf btf eval`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use brdf_io::MappedFile;
+use brdf_param::spherical_direction;
+
+use super::loading::{ModelArgs, texel_at};
+use crate::args::TableArgs;
+
+/// Evaluate a compressed BTF at places and pairs of directions
+///
+/// Queries are a table of u,v,theta_i_deg,phi_i_deg,theta_v_deg,phi_v_deg, with or without this
+/// header; u to the right and v upwards, tiled. Output adds r,g,b: linear radiance of one texel, where 1
+/// is a white diffuser that faces the light; 0 for directions below the horizon.
+///
+/// Example: brdf btf eval wool.btfvq --queries queries.csv -o values.csv
+#[derive(clap::Args)]
+pub(in crate::commands) struct Eval {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// Table of places and directions
+    #[arg(long, value_name = "FILE")]
+    queries: PathBuf,
+
+    /// Resolution; 0 is the finest
+    #[arg(long, default_value_t = 0)]
+    level: usize,
+
+    #[command(flatten)]
+    table: TableArgs,
+}
+
+impl Eval {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        let model = self.model.open()?;
+        let reader = model.reader()?;
+        if self.level >= reader.levels() {
+            bail!("--level {}: {} has {}", self.level, self.model.model.display(), reader.levels());
+        }
+        let rows = queries(&self.queries)?;
+        let mut table = String::from("u,v,theta_i_deg,phi_i_deg,theta_v_deg,phi_v_deg,r,g,b\n");
+        let mut below = 0;
+        for row in &rows {
+            let [u, v, angles @ ..] = *row;
+            let [theta_i, phi_i, theta_v, phi_v] = angles.map(f64::to_radians);
+            let (wi, wo) =
+                (spherical_direction(theta_i, phi_i), spherical_direction(theta_v, phi_v));
+            let is_above = angles[0].abs() < 90.0 && angles[2].abs() <= 90.0;
+            below += usize::from(!is_above);
+            let texel = texel_at(reader.size(self.level), u, v);
+            let [r, g, b] = if is_above {
+                reader.linear(self.level, texel, &reader.taps(wi, wo))
+            } else {
+                [0.0; 3]
+            };
+            let numbers: Vec<String> = row.iter().map(f64::to_string).collect();
+            table.push_str(&format!("{},{r},{g},{b}\n", numbers.join(",")));
+        }
+        self.table.write(&table, out)?;
+        if below > 0 {
+            writeln!(std::io::stderr(), "{below} rows below the horizon (0)")?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// Rows of six numbers.
+fn queries(path: &Path) -> anyhow::Result<Vec<[f64; 6]>> {
+    let bytes = MappedFile::open(path)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut rows = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let line = line.trim();
+        let is_header = number == 0 && line.starts_with(|c: char| c.is_alphabetic());
+        if line.is_empty() || is_header {
+            continue;
+        }
+        let fields: Vec<&str> = line.split([',', ' ', '\t']).filter(|f| !f.is_empty()).collect();
+        let numbers: Result<Vec<f64>, _> = fields.iter().map(|f| f.parse::<f64>()).collect();
+        let row = numbers.ok().and_then(|n| <[f64; 6]>::try_from(n).ok());
+        let row = row.filter(|r| r.iter().all(|v| v.is_finite())).with_context(|| {
+            format!(
+                "{}: line {}: found {line:?}; expected six numbers: u,v and four angles in degrees",
+                path.display(),
+                number + 1
+            )
+        })?;
+        rows.push(row);
+    }
+    Ok(rows)
+}

@@ -1,0 +1,158 @@
+//! `brdf btf render`.
+
+use std::f64::consts::PI;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use brdf_io::write_atomically;
+use brdf_model::Rgb;
+use brdf_render::{Shape, SpatiallyVarying, TexturePoint, TexturedView, ToneMap, render_textured};
+use btf_vq::{BtfReader, Taps};
+use clap::ValueEnum;
+use glam::DVec3;
+
+use super::loading::{ModelArgs, texel_at};
+use crate::args::{ForceArgs, LightArgs, positive, usage};
+use crate::pictures::{light, png};
+use crate::progress::Progress;
+
+/// Render a compressed BTF on a shape
+///
+/// The tile repeats; coarser levels, where the file has them, are taken where a pixel sees more than
+/// a texel.
+///
+/// Example: brdf btf render wool.btfvq --shape cylinder --env grace.hdr -o cloth.png
+#[derive(clap::Args)]
+pub(in crate::commands) struct Render {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// Picture to write, PNG
+    #[arg(short, long, value_name = "FILE", default_value = "btf.png")]
+    output: PathBuf,
+
+    /// What the material lies on
+    #[arg(long, value_enum, default_value_t = ShapeArg::Sphere)]
+    shape: ShapeArg,
+
+    #[command(flatten)]
+    light: LightArgs,
+
+    /// Pixels in a row
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    size: u32,
+
+    /// Light samples per pixel under an environment
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    samples: u32,
+
+    /// Tiles across the shape
+    #[arg(long, default_value_t = 4.0, value_parser = positive)]
+    tiles: f64,
+
+    /// Tilt of the shape towards the camera, degrees [default: 60 for a plane, 15 for a cylinder]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    tilt_deg: Option<f64>,
+
+    /// Factor from linear values to what is shown as white
+    #[arg(long, value_parser = positive)]
+    exposure: Option<f64>,
+
+    #[command(flatten)]
+    force: ForceArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ShapeArg {
+    /// A square in perspective
+    Plane,
+    /// A sphere
+    Sphere,
+    /// An upright cylinder
+    Cylinder,
+}
+
+impl Render {
+    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+            return Err(usage(format!(
+                "{}: expected a name that ends in .png",
+                self.output.display()
+            )));
+        }
+        let model = self.model.open()?;
+        let material =
+            Textured { reader: model.reader()?, cosine_included: model.cosine_included() };
+        let light = light(&self.light)?;
+        let view = TexturedView {
+            size: self.size as usize,
+            samples: self.samples,
+            tiles: self.tiles,
+            tilt: self.tilt_deg.map(f64::to_radians),
+        };
+        let shape = match self.shape {
+            ShapeArg::Plane => Shape::Plane,
+            ShapeArg::Sphere => Shape::Sphere,
+            ShapeArg::Cylinder => Shape::Cylinder,
+        };
+        let progress = Progress::new(1);
+        progress.step("rendering");
+        let film = render_textured(&material, shape, &light, &view);
+        drop(progress);
+        let tone =
+            self.exposure.map_or_else(|| ToneMap::exposed_for(&film), |e| ToneMap { exposure: e });
+        write_atomically(&self.output, &png(&tone.apply(&film))?, self.force.overwrite())?;
+        writeln!(std::io::stderr(), "{}", self.output.display())?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// A texture of a compressed BTF as a material.
+struct Textured<'a> {
+    reader: BtfReader<'a>,
+    cosine_included: bool,
+}
+
+impl Textured<'_> {
+    /// The level whose texels are about as large as a footprint, and the texel there.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "levels are few"
+    )]
+    fn place(&self, at: &TexturePoint) -> (usize, usize) {
+        let (width, height) = self.reader.size(0);
+        let texels = at.footprint * width.max(height) as f64;
+        let level = (texels.max(1.0).log2().round() as usize).min(self.reader.levels() - 1);
+        (level, texel_at(self.reader.size(level), at.u, at.v))
+    }
+}
+
+impl SpatiallyVarying for Textured<'_> {
+    fn reflect(&self, at: &TexturePoint, wo: DVec3, lights: &[DVec3], out: &mut [Rgb]) {
+        let (level, texel) = self.place(at);
+        let (view, phi_v) = self.reader.grid().view_taps(wo);
+        for (value, &wi) in out.iter_mut().zip(lights) {
+            if wi.z <= 0.0 || wo.z <= 0.0 {
+                *value = Rgb::BLACK;
+                continue;
+            }
+            let taps = Taps { view, light: self.reader.grid().light_taps(wi, phi_v) };
+            let cosine = if self.cosine_included { 1.0 } else { wi.z };
+            let radiance = self.reader.linear(level, texel, &taps);
+            *value = Rgb::from(radiance.map(|v| f64::from(v) * cosine / PI));
+        }
+    }
+
+    fn sample(&self, at: &TexturePoint, wo: DVec3, u1: f64, u2: f64) -> Option<(DVec3, f64)> {
+        let (level, texel) = self.place(at);
+        Some(self.reader.light_sampler(level, texel, wo).sample(u1, u2))
+    }
+
+    fn density(&self, at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
+        let (level, texel) = self.place(at);
+        self.reader.light_sampler(level, texel, wo).density(wi)
+    }
+}

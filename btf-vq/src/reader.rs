@@ -1,0 +1,206 @@
+//! Compressed BTFs of either kind, read alike.
+
+use glam::DVec3;
+
+use crate::colour::srgb_to_linear;
+use crate::sample::LightSampler;
+use crate::{AngularGrid, Decoder, Encoding, LpcaDecoder, LpcaModel, Taps, VqModel};
+
+/// A compressed BTF.
+#[derive(Clone, Debug)]
+pub enum BtfModel {
+    /// Nested codebooks.
+    Vq(VqModel),
+    /// Local principal components.
+    Lpca(LpcaModel),
+}
+
+/// One texture of a compressed BTF.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextureInfo {
+    /// What it is called.
+    pub name: String,
+    /// Texels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Whether values contain the cosine of the light's polar angle.
+    pub cosine_included: bool,
+    /// Resolutions.
+    pub levels: usize,
+}
+
+impl BtfModel {
+    /// The textures.
+    pub fn textures(&self) -> Vec<TextureInfo> {
+        let info = |name: &str, width, height, cosine_included, levels| TextureInfo {
+            name: name.to_owned(),
+            width,
+            height,
+            cosine_included,
+            levels,
+        };
+        match self {
+            Self::Vq(model) => {
+                let materials = model.header().materials.iter();
+                materials
+                    .map(|m| info(&m.name, m.width, m.height, m.cosine_included, m.levels))
+                    .collect()
+            }
+            Self::Lpca(model) => {
+                let materials = model.header().materials.iter();
+                materials
+                    .map(|m| info(&m.name, m.width, m.height, m.cosine_included, m.levels))
+                    .collect()
+            }
+        }
+    }
+
+    /// Bytes of each stream, by name.
+    pub fn stream_bytes(&self) -> Vec<(String, usize)> {
+        match self {
+            Self::Vq(model) => model.stream_bytes(),
+            Self::Lpca(model) => {
+                let names = model.header().stream_names().into_iter();
+                names.enumerate().map(|(at, name)| (name, model.stream(at).len())).collect()
+            }
+        }
+    }
+
+    /// A stream, by its place in [`BtfModel::stream_bytes`].
+    pub fn stream(&self, at: usize) -> &[u8] {
+        match self {
+            Self::Vq(model) => model.stream(at),
+            Self::Lpca(model) => model.stream(at),
+        }
+    }
+
+    /// A reader of one of the textures; `None` if there are fewer.
+    pub fn reader(&self, texture: usize) -> Option<BtfReader<'_>> {
+        match self {
+            Self::Vq(model) => model.decoder(texture).map(BtfReader::Vq),
+            Self::Lpca(model) => model.decoder(texture).map(BtfReader::Lpca),
+        }
+    }
+}
+
+/// Reads one texture.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one for each texture")]
+pub enum BtfReader<'a> {
+    /// Of nested codebooks.
+    Vq(Decoder<'a>),
+    /// Of local principal components.
+    Lpca(LpcaDecoder<'a>),
+}
+
+impl BtfReader<'_> {
+    /// The grid.
+    pub fn grid(&self) -> &AngularGrid {
+        match self {
+            Self::Vq(decoder) => decoder.grid(),
+            Self::Lpca(decoder) => decoder.grid(),
+        }
+    }
+
+    /// What values mean.
+    pub fn encoding(&self) -> Encoding {
+        match self {
+            Self::Vq(decoder) => decoder.encoding(),
+            Self::Lpca(decoder) => decoder.encoding(),
+        }
+    }
+
+    /// Resolutions.
+    pub fn levels(&self) -> usize {
+        match self {
+            Self::Vq(decoder) => decoder.levels(),
+            Self::Lpca(decoder) => decoder.levels(),
+        }
+    }
+
+    /// Texels in a row, and rows, of a level; levels past the last are the last.
+    pub fn size(&self, level: usize) -> (usize, usize) {
+        match self {
+            Self::Vq(decoder) => decoder.size(level),
+            Self::Lpca(decoder) => decoder.size(level),
+        }
+    }
+
+    /// Where a pair of unit directions of the upper hemisphere lies.
+    pub fn taps(&self, wi: DVec3, wo: DVec3) -> Taps {
+        Taps::new(self.grid(), wi, wo)
+    }
+
+    /// RGB, as [`BtfReader::encoding`] says, of a texel (row-major) of a level.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such level or texel.
+    pub fn texel(&self, level: usize, texel: usize, taps: &Taps) -> [f32; 3] {
+        match self {
+            Self::Vq(decoder) => decoder.texel(level, texel, taps),
+            Self::Lpca(decoder) => decoder.texel(level, texel, taps),
+        }
+    }
+
+    /// The same as linear radiance, 0 and above.
+    ///
+    /// # Panics
+    ///
+    /// As [`BtfReader::texel`].
+    pub fn linear(&self, level: usize, texel: usize, taps: &Taps) -> [f32; 3] {
+        let rgb = self.texel(level, texel, taps).map(|v| v.max(0.0));
+        match self.encoding() {
+            Encoding::Srgb => rgb.map(srgb_to_linear),
+            Encoding::Linear => rgb,
+        }
+    }
+
+    /// A whole level for one pair of directions.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such level or `out` is of another size.
+    pub fn image(&self, level: usize, taps: &Taps, out: &mut [[f32; 3]]) {
+        match self {
+            Self::Vq(decoder) => decoder.image(level, taps, out),
+            Self::Lpca(decoder) => decoder.image(level, taps, out),
+        }
+    }
+
+    /// Directions to lights for a texel of a level and a unit view direction.
+    ///
+    /// # Panics
+    ///
+    /// As [`BtfReader::texel`].
+    pub fn light_sampler(&self, level: usize, texel: usize, wo: DVec3) -> LightSampler {
+        match self {
+            Self::Vq(decoder) => decoder.light_sampler(level, texel, wo),
+            Self::Lpca(decoder) => decoder.light_sampler(level, texel, wo),
+        }
+    }
+
+    /// Share of the light, from everywhere alike, that a texel of a level reflects to a viewer: the
+    /// integral of f cosθi (eq. 6), by the rule of the grid's nodes.
+    ///
+    /// # Panics
+    ///
+    /// As [`BtfReader::texel`].
+    pub fn albedo(&self, level: usize, texel: usize, wo: DVec3, cosine_included: bool) -> [f64; 3] {
+        let grid = *self.grid();
+        let (view, phi_v) = grid.view_taps(wo);
+        let mut sum = [0.0; 3];
+        for (alpha, w_alpha) in AngularGrid::trapezoid(grid.alphas).enumerate() {
+            for (beta, w_beta) in AngularGrid::trapezoid(grid.betas).enumerate() {
+                let [wi, _] = grid.node_directions(alpha, beta, phi_v);
+                let taps = Taps { view, light: grid.light_taps(wi, phi_v) };
+                let cosine = if cosine_included { 1.0 } else { wi.z };
+                let weight = f64::from(w_alpha * w_beta) * cosine * grid.cell_solid_angle();
+                let value = self.linear(level, texel, &taps);
+                sum.iter_mut().zip(value).for_each(|(s, v)| *s += weight * f64::from(v));
+            }
+        }
+        sum.map(|s| s / std::f64::consts::PI)
+    }
+}
