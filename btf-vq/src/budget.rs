@@ -26,7 +26,7 @@ pub fn stream_bytes(grid: &AngularGrid, rows: &Rows, bits: &ScaleBits, texels: u
 
 /// How bytes are shared among P4, P3 with M, P2 and P1, of what is left after P6 and the colours.
 const SPLITS: [[f64; 4]; 3] =
-    [[0.30, 0.45, 0.20, 0.05], [0.22, 0.44, 0.28, 0.06], [0.38, 0.42, 0.16, 0.04]];
+    [[0.38, 0.44, 0.14, 0.04], [0.46, 0.40, 0.11, 0.03], [0.28, 0.46, 0.21, 0.05]];
 /// Share of pairs of P2 and I2 that are different ones, among the views of P3.
 const DIFFERENT: f64 = 0.55;
 /// Texels on which splits are compared.

@@ -14,6 +14,8 @@ use crate::subspace::products;
 /// Codes and who belongs to them.
 #[derive(Clone, Debug)]
 pub(crate) struct Clusters {
+    /// Number of codes; some may have nobody.
+    pub(crate) count: usize,
     /// `[code][len]`.
     pub(crate) codes: Vec<f32>,
     /// Code of each vector.
@@ -55,6 +57,7 @@ pub(crate) fn cluster_shapes(
     let matches = codes.nearest(vectors, &[]);
     let errors = errors(&energies(vectors, weights), weights, &matches);
     Clusters {
+        count: codes.len(),
         codes: (0..codes.len()).flat_map(|at| codes.code(at).0.to_vec()).collect(),
         assignment: matches.iter().map(|m| narrow(m.code)).collect(),
         gains: matches.iter().map(|m| m.gain).collect(),
@@ -187,7 +190,7 @@ pub(crate) fn cluster_values(
     }
     let gains = vec![1.0; assignment.len()];
     let assignment = assignment.into_iter().map(narrow).collect();
-    (Clusters { codes, assignment, gains, distortion }, totals)
+    (Clusters { count: codes.len() / len, codes, assignment, gains, distortion }, totals)
 }
 
 /// ⟨W x, c⟩ − ½⟨W, c²⟩.

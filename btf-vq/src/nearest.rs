@@ -155,7 +155,7 @@ impl CodeSet {
             products.fill(self, luma, chroma, first, codes);
             for (at, best) in best.iter_mut().enumerate() {
                 let scores = products.scores(at, codes, &self.chroma_sq[first..][..codes]);
-                let top = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let top = largest(scores);
                 let mut least = least_of(best, few);
                 if top < least - slack[at] {
                     continue;
@@ -215,7 +215,10 @@ impl Products {
     /// Turns a row of products into scores.
     fn scores(&mut self, at: usize, codes: usize, chroma_sq: &[f32]) -> &[f32] {
         let row = &mut self.luma[at * codes..][..codes];
-        row.iter_mut().for_each(|v| *v = v.max(0.0) * v.max(0.0));
+        for v in &mut *row {
+            let gain = if *v > 0.0 { *v } else { 0.0 };
+            *v = gain * gain;
+        }
         if !self.chroma.is_empty() {
             let colours = &self.chroma[at * codes..][..codes];
             for ((score, product), sq) in row.iter_mut().zip(colours).zip(chroma_sq) {
@@ -224,6 +227,18 @@ impl Products {
         }
         row
     }
+}
+
+/// The largest value, in lanes that compilers turn into vectors.
+fn largest(values: &[f32]) -> f32 {
+    let (blocks, rest) = values.as_chunks::<16>();
+    let mut lanes = [f32::NEG_INFINITY; 16];
+    for block in blocks {
+        for (lane, v) in lanes.iter_mut().zip(block) {
+            *lane = if *v > *lane { *v } else { *lane };
+        }
+    }
+    lanes.iter().chain(rest).copied().fold(f32::NEG_INFINITY, f32::max)
 }
 
 /// `out[vector][code]`; nothing for vectors of no values.

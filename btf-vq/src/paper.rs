@@ -148,8 +148,8 @@ pub fn encode_paper(
         encoder.measure = params.measure.times(*factor);
         for set in sets {
             let order = halton_texels(set.source.layout().width, set.source.layout().height);
-            let skip = if pass == 0 { 0 } else { part(order.len(), PASSES[0].0) };
-            let count = part(order.len(), *share);
+            let skip = if pass == 0 { 0 } else { part(set.len(), PASSES[0].0) };
+            let count = part(set.len(), *share);
             let seen = &order[skip.min(order.len())..(skip + count).min(order.len())];
             for texels in seen.chunks(crate::BLOCK) {
                 encoder.learn(&set.resampler.gather(set.source, texels)?);

@@ -95,8 +95,7 @@ fn narrow(index: usize) -> u32 {
 
 /// Weighted energy that each code stands for.
 fn usage(clusters: &Clusters, weights: &[f32]) -> Vec<f32> {
-    let codes = clusters.assignment.iter().max().map_or(0, |m| *m as usize + 1);
-    let mut usage = vec![0.0; codes];
+    let mut usage = vec![0.0; clusters.count];
     for ((code, gain), weight) in clusters.assignment.iter().zip(&clusters.gains).zip(weights) {
         usage[*code as usize] += weight * gain * gain;
     }
@@ -398,7 +397,7 @@ fn one_d_luma(
             slices.push((v / own).max(0.0) * root1[beta]);
         }
         usages
-            .push(usage2.get(code).copied().unwrap_or(0.0) * across[alpha] / across_mean(&across));
+            .push(usage2[code] * across[alpha] / across_mean(&across));
     }
     (root1, slices, usages)
 }

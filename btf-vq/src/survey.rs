@@ -68,10 +68,10 @@ pub struct SurveyParams {
 }
 
 impl Default for SurveyParams {
-    /// 192 dimensions hold all but a few thousandths of the energy of the materials tried; more cost
-    /// time and change no choice.
+    /// 128 dimensions hold 98 % of the energy of the materials tried; what more of them add is noise
+    /// that no code could hold.
     fn default() -> Self {
-        Self { dims: 192, sample: 2048 }
+        Self { dims: 128, sample: 2048 }
     }
 }
 

@@ -1,0 +1,97 @@
+//! A small BTF without files: bumps of two colours, rough and glossy, over 81 × 81 directions.
+
+use std::ops::Range;
+
+use btf_vq::{
+    AngularGrid, BtfLayout, BtfSource, Encoding, IndexBook, Material, Resampler, SourceError, View,
+    colour,
+};
+use glam::DVec3;
+
+/// Rings of the table that UBO2003 uses: polar angle in degrees and directions in it.
+const RINGS: [(f64, u32); 6] =
+    [(0.0, 1), (15.0, 6), (30.0, 12), (45.0, 18), (60.0, 20), (75.0, 24)];
+
+pub(crate) fn directions() -> Vec<DVec3> {
+    RINGS
+        .iter()
+        .flat_map(|&(theta, count)| {
+            (0..count).map(move |i| {
+                let phi = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+                brdf_param::spherical_direction(theta.to_radians(), phi)
+            })
+        })
+        .collect()
+}
+
+/// A source whose values are a formula.
+pub(crate) struct Formula {
+    pub(crate) layout: BtfLayout,
+    gloss: f64,
+}
+
+impl Formula {
+    pub(crate) fn new(side: usize, gloss: f64, encoding: Encoding) -> Self {
+        let lights = directions();
+        let views = directions().into_iter().map(|wo| View { wo, lights: lights.clone() });
+        let layout = BtfLayout {
+            width: side,
+            height: side,
+            views: views.collect(),
+            encoding,
+            cosine_included: true,
+        };
+        Self { layout, gloss }
+    }
+
+    /// RGB in the source's encoding.
+    pub(crate) fn value(&self, texel: usize, wi: DVec3, wo: DVec3) -> [f32; 3] {
+        let (x, y) = (texel % self.layout.width, texel / self.layout.width);
+        let tilt = |i: usize| 0.4 * ((i * 7 % 5) as f64 / 4.0 - 0.5);
+        let normal = DVec3::new(tilt(x), tilt(y + 2), 1.0).normalize();
+        let half = (wi + wo).normalize_or(DVec3::Z);
+        let shine = self.gloss * normal.dot(half).max(0.0).powf(40.0);
+        let diffuse = normal.dot(wi).max(0.0);
+        let albedo = if (x / 2 + y / 2) % 2 == 0 { [0.7, 0.3, 0.2] } else { [0.2, 0.4, 0.6] };
+        albedo.map(|a| {
+            #[expect(clippy::cast_possible_truncation, reason = "pixels are f32")]
+            let linear = (a * diffuse + shine * wi.z) as f32;
+            match self.layout.encoding {
+                Encoding::Srgb => colour::linear_to_srgb(linear).clamp(0.0, 1.0),
+                Encoding::Linear => linear,
+            }
+        })
+    }
+}
+
+impl BtfSource for Formula {
+    fn layout(&self) -> &BtfLayout {
+        &self.layout
+    }
+
+    fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError> {
+        let views = self.layout.views.iter();
+        let pairs = views.flat_map(|v| v.lights.iter().map(move |wi| (*wi, v.wo)));
+        for ((wi, wo), out) in pairs.zip(out.chunks_exact_mut(3 * texels.len())) {
+            for (texel, rgb) in texels.clone().zip(out.as_chunks_mut::<3>().0) {
+                *rgb = self.value(texel, wi, wo);
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn resampler(source: &Formula) -> Resampler {
+    Resampler::new(&source.layout, AngularGrid::default()).unwrap()
+}
+
+/// One texture of one level.
+pub(crate) fn material(source: &Formula, texture: IndexBook) -> Material {
+    Material {
+        name: "formula".to_owned(),
+        width: source.layout.width,
+        height: source.layout.height,
+        cosine_included: true,
+        levels: vec![texture],
+    }
+}
