@@ -28,17 +28,18 @@ use crate::progress::Progress;
 ///
 /// Example: brdf btf synth --height wool_depth.png --albedo wool_albedo.png -o wool
 #[derive(clap::Args)]
+#[command(group(clap::ArgGroup::new("relief").required(true).args(["height", "normal"])))]
 pub(in crate::commands) struct Synth {
     /// Map of heights, white on top
-    #[arg(long, value_name = "FILE", required_unless_present = "normal")]
+    #[arg(long, value_name = "FILE")]
     height: Option<PathBuf>,
 
     /// Map of colours, sRGB
     #[arg(long, value_name = "FILE")]
     albedo: PathBuf,
 
-    /// Map of normals, green up; heights are integrated from it where --height is absent
-    #[arg(long, value_name = "FILE", conflicts_with = "height")]
+    /// Map of normals, green up; heights are integrated from it, instead of --height
+    #[arg(long, value_name = "FILE")]
     normal: Option<PathBuf>,
 
     /// Roughness from 0 to 1, or a map of it
