@@ -1,4 +1,29 @@
-//! Bidirectional *texture* functions (not BPF Type Format) in nested codebooks.
+//! Bidirectional *texture* functions (nothing to do with the BPF Type Format): a material's images
+//! for many views and lights, gigabytes of them, in about a megabyte of nested codebooks from which any
+//! texel for any light and view is read at random, and light directions are drawn by importance.
+//!
+//! Source: V. Havran, J. Filip and K. Myszkowski, "Bidirectional Texture Function Compression Based
+//! on Multi-Level Vector Quantization", Computer Graphics Forum 29(1), 2010. [`encode_paper`] is
+//! the paper's encoder, [`encode_refined`] one that clusters at every level, [`LpcaModel`] the rival
+//! that the paper compares with, in bytes.
+//!
+//! A [`BtfSource`] gives texels, a [`Resampler`] brings them to an [`AngularGrid`], an encoder makes
+//! [`Books`], [`VqModel`] holds them packed, and a [`BtfReader`] reads:
+//!
+//! ```
+//! use btf_vq::BtfModel;
+//! use glam::DVec3;
+//!
+//! /// Linear radiance of a texel under a light of irradiance π; 1 for a white diffuser facing it.
+//! fn radiance(model: &BtfModel, x: usize, y: usize, wi: DVec3, wo: DVec3) -> Option<[f32; 3]> {
+//!     let reader = model.reader(0)?;
+//!     let (width, _) = reader.size(0);
+//!     let taps = reader.taps(wi, wo); // once for a pair of directions, for any number of texels
+//!     Some(reader.linear(0, y * width + x, &taps))
+//! }
+//! ```
+//!
+//! The container is plain safetensors: `docs/btf.md` of the project reads it with NumPy.
 
 mod bits;
 mod books;

@@ -15,8 +15,7 @@ use crate::{AngularGrid, Books, Chroma, Encoding, IndexBook, TexelSet, VqError};
 /// How similar slices are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// Root of the mean squared error in sRGB of a texel; of 3D slices 0.4 of it, of 2D slices 0.4²,
-    /// along β 0.4³.
+    /// Mean squared error in sRGB of a texel; of 3D slices 0.4 of it, of 2D slices 0.4², along β 0.4³.
     Mse(f32),
     /// 98th percentile of 1 − SSIM over light directions, the same for all slices.
     Ssim(f32),
@@ -397,7 +396,7 @@ impl Encoder {
             (_, Level::C) | (Measure::Mse(_), Level::I1 | Level::I2) => {
                 self.plain_chroma_distance(level, found.code, chroma)
             }
-            (Measure::Mse(_), _) => (square / luma.len() as f32).sqrt(),
+            (Measure::Mse(_), _) => square / luma.len() as f32,
             (Measure::Ssim(_), _) => self.dissimilarity(level, found, luma, chroma),
         }
     }

@@ -396,8 +396,7 @@ fn one_d_luma(
             let own = metric.light[alpha * betas + beta].sqrt();
             slices.push((v / own).max(0.0) * root1[beta]);
         }
-        usages
-            .push(usage2[code] * across[alpha] / across_mean(&across));
+        usages.push(usage2[code] * across[alpha] / across_mean(&across));
     }
     (root1, slices, usages)
 }

@@ -1,5 +1,7 @@
 //! Importance sampling against its density, and the density against 1.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod support;
 
 use btf_vq::{
