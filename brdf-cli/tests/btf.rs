@@ -48,7 +48,7 @@ fn write_maps(folder: &Path) {
     let height =
         |x: u32, y: u32| image::Rgb([u8::try_from((x % 8) * 20 + (y % 8) * 10).unwrap(); 3]);
     let colour = |x: u32, y: u32| {
-        image::Rgb(if (x / 8 + y / 8) % 2 == 0 { [200_u8, 90, 60] } else { [60, 90, 200] })
+        image::Rgb(if (x / 8 + y / 8).is_multiple_of(2) { [200_u8, 90, 60] } else { [60, 90, 200] })
     };
     image::RgbImage::from_fn(16, 16, height).save(folder.join("height.png")).unwrap();
     image::RgbImage::from_fn(16, 16, colour).save(folder.join("albedo.png")).unwrap();
