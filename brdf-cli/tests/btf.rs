@@ -127,8 +127,8 @@ fn other_modes_levels_and_several_inputs_work() {
         folder,
         &["compress", "bumps", "-o", "p.btfvq", "--mode", "paper", "--measure", "ssim", "--json"],
     );
-    // 1.2 % of 256 texels.
-    assert_eq!(paper["books"]["p4"], 3, "{paper}");
+    // At most 1.2 % of 256 texels.
+    assert!((1..=3).contains(&paper["books"]["p4"].as_u64().unwrap()), "{paper}");
     let lpca = json(
         folder,
         &["compress", "bumps", "-o", "l.btfvq", "--mode", "lpca", "--ratio", "20", "--json"],
