@@ -562,7 +562,9 @@ fn maps_of_any_sizes_become_a_btf() {
     let report = synth(&["--height", "height.png", "--height-scale", "0.2"]);
     assert_eq!((&report["images"], &report["size"]), (&Value::from(6561), &Value::from(4)));
     let range = [0, 1].map(|end| report["height_range"][end].as_f64().unwrap());
-    assert!(range[0] < -0.05 && range[1] > 0.03 && range[1] - range[0] < 0.2, "{range:?}");
+    // Greys of 100 and 200 of 255, somewhat levelled by the filter.
+    let span = range[1] - range[0];
+    assert!(range[0] < -0.03 && range[1] > 0.01 && span < 0.2 * 100.0 / 255.0, "{range:?}");
     assert!(report["seconds"].as_f64().unwrap() > 0.0);
     assert!((0.0..0.1).contains(&report["clipped"].as_f64().unwrap()));
     let image = root.path().join("wool/tv075_pv345/00080 tl075 pl345 tv075 pv345.jpg");
