@@ -227,20 +227,6 @@ impl Books {
             }
         }
     }
-
-    /// Rows of every book, by name.
-    pub fn rows(&self) -> [(&'static str, usize); 8] {
-        [
-            ("P1", self.p1.rows()),
-            ("P2", self.p2.rows()),
-            ("C", self.c.rows()),
-            ("I1", self.i1.rows()),
-            ("I2", self.i2.rows()),
-            ("M", self.m.rows()),
-            ("P3", self.p3.rows()),
-            ("P4", self.p4.rows()),
-        ]
-    }
 }
 
 fn scale_row(row: &mut [f32], sum: f32) {

@@ -1,7 +1,7 @@
 //! Luminance and chrominance of texels.
 //!
-//! Sources: ITU-R BT.601 (full range, as in JPEG); G. W. Larson, "LogLuv Encoding for Full-Gamut,
-//! High-Dynamic Range Images", Journal of Graphics Tools 3(1), 1998.
+//! Sources: ITU-R BT.601 (full range, as in JPEG); the chromaticities u′v′ of G. W. Larson, "LogLuv
+//! Encoding for Full-Gamut, High-Dynamic Range Images", Journal of Graphics Tools 3(1), 1998.
 
 use crate::Encoding;
 
@@ -24,8 +24,6 @@ pub fn from_ycbcr([y, cb, cr]: [f32; 3]) -> [f32; 3] {
 
 /// Chromaticity of white (D65) in CIE 1976 u′v′.
 const WHITE_UV: [f32; 2] = [0.197_833, 0.468_331];
-/// Codes of u′ and v′ per unit in LogLuv.
-const UV_STEPS: f32 = 410.0;
 
 /// CIE Y and u′v′ of linear Rec. 709 RGB; white's chromaticity for black.
 pub fn to_yuv([r, g, b]: [f32; 3]) -> [f32; 3] {
@@ -49,11 +47,6 @@ pub fn from_yuv([y, u, v]: [f32; 3]) -> [f32; 3] {
         -0.969_244 * x + 1.875_968 * y + 0.041_555 * z,
         0.055_63 * x - 0.203_977 * y + 1.056_972 * z,
     ]
-}
-
-/// u′ or v′ at the steps of LogLuv.
-pub fn quantise_uv(value: f32) -> f32 {
-    ((value * UV_STEPS).floor() + 0.5) / UV_STEPS
 }
 
 /// Luminance and two chromaticities of a value in its encoding.

@@ -1,7 +1,6 @@
 //! Random access: any texel for any light and view, straight from the packed books.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::bits::{PackedEntries, index_bits};
 use crate::books::level_size;
@@ -404,25 +403,5 @@ impl Decoder<'_> {
             let (p4, scale) = texture.p6.get(texel, 0);
             *value = self.scaled(rows[p4], scale);
         }
-    }
-
-    /// [`Decoder::image`] for many pairs of directions, in parallel: `f` gets the number of the pair
-    /// and its image.
-    pub fn images<T: Send>(
-        &self,
-        taps: &[Taps],
-        f: impl Fn(usize, &[[f32; 3]]) -> T + Sync,
-    ) -> Vec<T> {
-        let (width, height) = self.size(0);
-        taps.par_iter()
-            .enumerate()
-            .map_init(
-                || vec![[0.0; 3]; width * height],
-                |image, (at, taps)| {
-                    self.image(0, taps, image);
-                    f(at, image)
-                },
-            )
-            .collect()
     }
 }

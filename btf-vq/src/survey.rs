@@ -139,15 +139,8 @@ impl Survey {
         }
     }
 
-    /// Share of the energy that the subspace misses.
-    pub fn missed(&self) -> f64 {
-        let total: f64 = self.energies.iter().map(|e| f64::from(*e)).sum();
-        let held: f64 = self.coefficients.iter().map(|c| f64::from(c * c)).sum();
-        if total > 0.0 { (1.0 - held / total).max(0.0) } else { 0.0 }
-    }
-
-    #[expect(clippy::cast_precision_loss, reason = "a mean")]
     /// How much each texel counts: all alike, or, of linear radiance, dark ones as much as bright ones.
+    #[expect(clippy::cast_precision_loss, reason = "a mean")]
     pub(crate) fn texel_weights(&self) -> Vec<f32> {
         let mean = self.energies.iter().sum::<f32>() / self.texels().max(1) as f32;
         match self.encoding {
