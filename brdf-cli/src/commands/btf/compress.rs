@@ -280,15 +280,15 @@ impl Job<'_> {
     }
 
     fn record(&self) -> BtfRecord {
-        let is_paper = self.args.mode == ModeArg::Paper;
-        let name = |v: &dyn Fn() -> Option<String>| if is_paper { v() } else { None };
+        let (mode, is_paper) = match self.args.mode {
+            ModeArg::Refined => ("refined", false),
+            ModeArg::Paper => ("paper", true),
+            ModeArg::Lpca => ("lpca", false),
+        };
+        let measure = if self.is_mse() { "mse" } else { "ssim" };
         BtfRecord {
-            mode: self
-                .args
-                .mode
-                .to_possible_value()
-                .map_or_else(String::new, |v| v.get_name().to_owned()),
-            measure: name(&|| Some(if self.is_mse() { "mse" } else { "ssim" }.to_owned())),
+            mode: mode.to_owned(),
+            measure: is_paper.then(|| measure.to_owned()),
             epsilon: is_paper.then(|| self.epsilon()),
             raw_bytes: self.raw_bytes(),
         }
