@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 /// Vectors that meet the codes together.
 const QUERIES: usize = 64;
-/// Codes that meet them together: a tile of products stays in the first-level cache.
+/// Codes that meet them together: a tile of products is 64 kB.
 const CODES: usize = 256;
 /// Scores this close, relative to the length of the vectors, are compared again one by one, so that
 /// rounding in the products decides nothing.

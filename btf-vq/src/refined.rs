@@ -54,7 +54,7 @@ pub struct Encoded {
     pub errors: LevelErrors,
 }
 
-/// Iterations at every level: later ones change errors by less than a percent.
+/// Iterations at every level: a tradeoff of time, of which they take most.
 const ITERATIONS: usize = 5;
 /// Dimensions in which 3D slices are compared.
 const SLICE_DIMS: usize = 48;

@@ -14,7 +14,7 @@ use crate::colour::{to_ycbcr, to_yuv};
 use crate::rbf::DirectionRbf;
 use crate::{AngularGrid, BtfLayout, BtfSource, Encoding, Taps, VqError};
 
-/// Texels that go through the matrices together: 192 columns keep a product in the second-level cache.
+/// Texels that go through the matrices together, as 192 columns; the block of the sources' stores.
 pub const BLOCK: usize = 64;
 /// Directions closer than this, as a distance of unit vectors, are one: 0.01°, since file names give
 /// whole or tenths of degrees.

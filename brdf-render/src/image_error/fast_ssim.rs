@@ -196,8 +196,6 @@ fn narrow(value: f64) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
-
     use super::super::{Planes, ssim_map};
     use super::*;
 
@@ -280,15 +278,5 @@ mod tests {
         let there = workspace.mean_ssim(&a, &b);
         let back = workspace.mean_ssim(&b, &a);
         assert_eq!(there.to_bits(), back.to_bits(), "{there} and {back}");
-    }
-
-    #[test]
-    #[ignore = "a timing: cargo test --release -p brdf-render fast_ssim -- --ignored --nocapture"]
-    fn pictures_a_second() {
-        let (a, b) = (structured(256, 256), noise(3, 3 * 256 * 256));
-        let mut workspace = SsimWorkspace::new(256, 256);
-        let start = Instant::now();
-        let sum: f64 = (0..200).map(|_| workspace.mean_ssim(&a, &b)).sum();
-        println!("{:.0} pictures a second ({sum})", 200.0 / start.elapsed().as_secs_f64());
     }
 }

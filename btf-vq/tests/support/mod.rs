@@ -8,19 +8,12 @@ use btf_vq::{
 };
 use glam::DVec3;
 
-/// Rings of the table that UBO2003 uses: polar angle in degrees and directions in it.
-const RINGS: [(f64, u32); 6] =
-    [(0.0, 1), (15.0, 6), (30.0, 12), (45.0, 18), (60.0, 20), (75.0, 24)];
-
+/// The 81 directions of UBO2003.
 pub(crate) fn directions() -> Vec<DVec3> {
-    RINGS
-        .iter()
-        .flat_map(|&(theta, count)| {
-            (0..count).map(move |i| {
-                let phi = std::f64::consts::TAU * f64::from(i) / f64::from(count);
-                brdf_param::spherical_direction(theta.to_radians(), phi)
-            })
-        })
+    let radians = |degrees: u32| f64::from(degrees).to_radians();
+    btf_synth::ubo_directions()
+        .into_iter()
+        .map(|(theta, phi)| brdf_param::spherical_direction(radians(theta), radians(phi)))
         .collect()
 }
 
