@@ -4,9 +4,9 @@ use std::io::Cursor;
 use std::path::Path;
 
 use btf_synth::Map;
+use btf_vq::colour::srgb_to_linear;
 use image::{DynamicImage, ImageReader, Limits};
 
-use super::srgb::decode_srgb;
 use crate::{FormatError, IoError, MappedFile};
 
 /// Largest map that is read.
@@ -32,7 +32,7 @@ pub fn read_map(path: &Path) -> Result<Vec<Map>, IoError> {
 /// As [`read_map`].
 pub fn read_albedo(path: &Path) -> Result<[Map; 3], IoError> {
     let linear = |map: &Map| {
-        let values = map.values().iter().map(|&value| decode_srgb(value)).collect();
+        let values = map.values().iter().map(|&value| srgb_to_linear(value)).collect();
         Map::new(map.width(), map.height(), values)
     };
     let channels = read_map(path)?;

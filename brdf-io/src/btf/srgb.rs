@@ -28,13 +28,6 @@ pub(super) fn srgb_bytes_clipped(linear: &[f32]) -> Vec<u8> {
     linear.iter().map(|&value| bytes[step(value)]).collect()
 }
 
-/// The linear value of an encoded one in [0, 1].
-#[expect(clippy::cast_possible_truncation, reason = "8 to 16 bits of an image, stored as f32")]
-pub(super) fn decode_srgb(encoded: f32) -> f32 {
-    let v = f64::from(encoded);
-    (if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }) as f32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,7 +35,7 @@ mod tests {
     #[test]
     fn every_byte_survives_decoding_and_encoding() {
         for byte in 0..=255_u8 {
-            let linear = decode_srgb(f32::from(byte) / 255.0);
+            let linear = btf_vq::colour::srgb_to_linear(f32::from(byte) / 255.0);
             assert_eq!(srgb_bytes_clipped(&[linear]), [byte]);
         }
         assert_eq!(srgb_bytes_clipped(&[-1.0, 7.0, f32::NAN]), [0, 255, 0]);
