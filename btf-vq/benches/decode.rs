@@ -10,7 +10,8 @@
 use std::hint::black_box;
 
 use btf_vq::{
-    AngularGrid, Books, Chroma, Decoder, Encoding, IndexBook, Material, ScaleBits, Taps, VqModel,
+    AngularGrid, Books, Chroma, Decoder, Encoding, IndexBook, LightQuery, Material, SampledLight,
+    ScaleBits, Taps, TextureInfo, VqModel,
 };
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
@@ -64,9 +65,14 @@ fn wool(noise: &mut Noise) -> VqModel {
     books.p3 = noise.book(grid.thetas, 20_972, 95_325, true);
     books.p4 = noise.book(grid.phis, 1311, 20_972, true);
     let levels = vec![noise.book(1, SIDE * SIDE, 1311, true)];
-    let (width, height) = (SIDE, SIDE);
-    let mut materials =
-        [Material { name: "noise".to_owned(), width, height, cosine_included: true, levels }];
+    let info = TextureInfo {
+        name: "noise".to_owned(),
+        width: SIDE,
+        height: SIDE,
+        cosine_included: true,
+        levels: 1,
+    };
+    let mut materials = [Material { info, levels }];
     books.normalise(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::paper(Encoding::Srgb)).expect("sound books")
 }
@@ -81,11 +87,13 @@ fn evaluate(c: &mut Criterion) {
     let mut out = vec![[0.0; 3]; COUNT];
     let mut group = c.benchmark_group("decode");
     group.throughput(Throughput::Elements(COUNT as u64));
+    let mut placed = vec![(0, Taps::default()); COUNT];
     group.bench_function("random", |b| {
         b.iter(|| {
-            for ((texel, wi, wo), value) in queries.iter().zip(&mut out) {
-                *value = decoder.texel(0, *texel, &Taps::new(decoder.grid(), *wi, *wo));
+            for ((texel, wi, wo), place) in queries.iter().zip(&mut placed) {
+                *place = (*texel, Taps::new(decoder.grid(), *wi, *wo));
             }
+            decoder.batch(&placed, &mut out);
             black_box(&out);
         });
     });
@@ -98,14 +106,16 @@ fn evaluate(c: &mut Criterion) {
             black_box(&out);
         });
     });
+    let wanted = queries.iter().map(|(texel, _, wo)| {
+        let u = [noise.unit(), noise.unit()];
+        LightQuery { texel: *texel, wo: *wo, u }
+    });
+    let wanted: Vec<LightQuery> = wanted.collect();
+    let mut lights = vec![SampledLight::default(); COUNT];
     group.bench_function("sample", |b| {
         b.iter(|| {
-            let mut sum = 0.0;
-            for (at, (texel, _, wo)) in queries.iter().enumerate() {
-                let u = (at as f64 + 0.5) / COUNT as f64;
-                sum += decoder.sample_light(*texel, *wo, u, (37.0 * u).fract()).density;
-            }
-            black_box(sum)
+            decoder.sample_lights(&wanted, &mut lights);
+            black_box(&lights);
         });
     });
     group.finish();

@@ -13,6 +13,9 @@ pub(crate) fn packed_len(entries: usize, entry_bits: u32) -> Option<usize> {
 /// Most bits of an entry: it has to fit into eight bytes at any bit offset.
 pub(crate) const MAX_ENTRY_BITS: u32 = 56;
 
+/// Most bits of two entries that share eight bytes at any bit offset, each.
+const PAIRED_BITS: usize = 28;
+
 /// Entries one after another.
 pub(crate) fn pack(entries: impl Iterator<Item = u64>, entry_bits: u32) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -52,6 +55,17 @@ impl<'a> PackedEntries<'a> {
         (self.word(bit >> 3) >> (bit & 7)) & self.mask
     }
 
+    /// Entries `at` and `at + 1`, mostly by a single load; zeros past the end.
+    #[inline]
+    pub(crate) fn pair(&self, at: usize) -> [u64; 2] {
+        if self.bits > PAIRED_BITS {
+            return [self.get(at), self.get(at + 1)];
+        }
+        let bit = at * self.bits;
+        let word = self.word(bit >> 3) >> (bit & 7);
+        [word & self.mask, (word >> self.bits) & self.mask]
+    }
+
     #[inline]
     fn word(&self, at: usize) -> u64 {
         match self.bytes.get(at..at + 8).and_then(|bytes| bytes.try_into().ok()) {
@@ -85,6 +99,9 @@ mod tests {
             let packed = PackedEntries::new(&bytes, bits);
             for (at, entry) in entries.iter().enumerate() {
                 assert_eq!(packed.get(at), *entry, "{bits} bits, entry {at}");
+            }
+            for (at, pair) in entries.windows(2).enumerate() {
+                assert_eq!(packed.pair(at), *pair, "{bits} bits, entries {at} and {}", at + 1);
             }
         }
     }

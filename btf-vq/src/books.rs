@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{AngularGrid, Encoding};
+use crate::{AngularGrid, Encoding, VqError};
 
 /// How chrominance goes with luminance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,9 +99,9 @@ pub struct Books {
     pub p4: IndexBook,
 }
 
-/// One texture over the shared books.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
+/// One texture of a compressed BTF.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TextureInfo {
     /// What it is called.
     pub name: String,
     /// Texels in a row of the finest level.
@@ -110,6 +110,40 @@ pub struct Material {
     pub height: usize,
     /// Whether values contain the cosine of the light's polar angle.
     pub cosine_included: bool,
+    /// Resolutions, the finest and those below.
+    pub levels: usize,
+}
+
+impl TextureInfo {
+    /// Texels of each level, the finest first.
+    pub fn level_lens(&self) -> impl Iterator<Item = usize> + use<> {
+        let (width, height) = (self.width, self.height);
+        (0..self.levels).map(move |level| {
+            let (width, height) = level_size(width, height, level);
+            width * height
+        })
+    }
+
+    /// Checks numbers from a file.
+    pub(crate) fn check(&self) -> Result<(), VqError> {
+        let Self { width, height, levels, .. } = *self;
+        let texels = width.checked_mul(height).filter(|n| (1..=1 << 28).contains(n));
+        if texels.is_none() || !(1..=28).contains(&levels) {
+            return Err(VqError::Header {
+                what: "a texture's size",
+                found: format!("{width} × {height}, {levels} levels"),
+                expected: "1 to 2^28 texels and 1 to 28 levels",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// One texture over the shared books.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// What it is.
+    pub info: TextureInfo,
     /// P6: into P4, one entry a texel; the finest level first, each next one half as large.
     pub levels: Vec<IndexBook>,
 }
@@ -154,6 +188,15 @@ impl Books {
             for (c, value) in self.i1.row(*i1 as usize).iter().zip(slice) {
                 *value = self.c.row(*c as usize)[channel];
             }
+        }
+    }
+
+    /// Both chrominances of a row of I1: `[channel][beta]`.
+    pub fn expand_i1(&self, row: usize, out: &mut [f32]) {
+        let (first, second) = out.split_at_mut(self.grid.betas);
+        for ((c, a), b) in self.i1.row(row).iter().zip(first).zip(second) {
+            let colour = self.c.row(*c as usize);
+            (*a, *b) = (colour[0], colour[1]);
         }
     }
 

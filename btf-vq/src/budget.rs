@@ -4,7 +4,7 @@ use crate::bits::{index_bits, packed_len};
 use crate::model::{Rows, ScaleBits};
 use crate::refined::{BookSizes, encode_refined};
 use crate::survey::Survey;
-use crate::{AngularGrid, VqError};
+use crate::{AngularGrid, Books, Chroma, VqError};
 
 /// Bytes of the streams of books of these sizes and so many texels: index of ⌈log₂ rows⌉ bits and scale
 /// for each entry, every stream rounded up to bytes. Two chrominances of 8 bits.
@@ -27,88 +27,114 @@ pub fn stream_bytes(grid: &AngularGrid, rows: &Rows, bits: &ScaleBits, texels: u
 /// How bytes are shared among P4, P3 with M, P2 and P1, of what is left after P6 and the colours.
 const SPLITS: [[f64; 4]; 3] =
     [[0.38, 0.44, 0.14, 0.04], [0.46, 0.40, 0.11, 0.03], [0.28, 0.46, 0.21, 0.05]];
-/// Share of pairs of P2 and I2 that are different ones, among the views of P3.
+/// The same for BRDFs, whose views are few and whose slices are fine: every view has a row as long as
+/// there is room, and lines along β take the rest.
+const BRDF_SPLIT: [f64; 4] = [1.0, 1.0, 0.2, 0.7];
+/// Share of pairs of P2 and I2 that are different ones, among the views of P3, before any was seen.
 const DIFFERENT: f64 = 0.55;
 /// Texels on which splits are compared.
 const TRIAL: usize = 8192;
 
 /// Sizes for so many bytes in all: the split with the least error on a part of the texels, with
-/// books in proportion.
+/// books in proportion, which also shows how many rows of M come out.
 ///
 /// # Errors
 ///
 /// [`VqError::Budget`] where P6 alone takes more.
 pub fn choose_sizes(survey: &Survey, bits: &ScaleBits, bytes: u64) -> Result<BookSizes, VqError> {
     let texels = survey.texels();
-    let all: Vec<BookSizes> = SPLITS
-        .iter()
-        .map(|split| sizes_for(&survey.grid, bits, texels, bytes, split))
-        .collect::<Result<_, _>>()?;
+    let room = Room { grid: &survey.grid, bits, texels, bytes };
+    if survey.grid.phis == 1 {
+        return room.sizes(&BRDF_SPLIT, 1.0);
+    }
+    let sizes: Vec<BookSizes> =
+        SPLITS.iter().map(|split| room.sizes(split, DIFFERENT)).collect::<Result<_, _>>()?;
     if texels <= 2 * TRIAL {
-        return Ok(all[0]);
+        return Ok(sizes[0]);
     }
     #[expect(clippy::cast_precision_loss, reason = "counts of texels")]
     let share = TRIAL as f64 / texels as f64;
     let part = survey.every(texels / TRIAL);
-    let errors = all.iter().map(|sizes| encode_refined(&part, &sizes.times(share)).errors.total);
-    let best = all.iter().zip(errors).min_by(|a, b| a.1.total_cmp(&b.1));
-    Ok(best.map_or(all[0], |b| *b.0))
+    let trials = SPLITS.iter().zip(&sizes).map(|(split, sizes)| {
+        let empty = Books::new(survey.grid, survey.encoding, Chroma::Relative);
+        let encoded = encode_refined(&part, &sizes.times(share), empty);
+        let Rows { m, p3, .. } = Rows::of(&encoded.books);
+        #[expect(clippy::cast_precision_loss, reason = "rows of books")]
+        let different = m as f64 / (p3 * survey.grid.thetas).max(1) as f64;
+        (split, different, encoded.errors.total)
+    });
+    match trials.min_by(|a, b| a.2.total_cmp(&b.2)) {
+        Some((split, different, _)) => room.sizes(split, different),
+        None => Ok(sizes[0]),
+    }
 }
 
-/// The sizes of a split that fill so many bytes.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "rows of books"
-)]
-fn sizes_for(
-    grid: &AngularGrid,
-    bits: &ScaleBits,
+/// What books have to fit into.
+struct Room<'a> {
+    grid: &'a AngularGrid,
+    bits: &'a ScaleBits,
     texels: usize,
     bytes: u64,
-    split: &[f64; 4],
-) -> Result<BookSizes, VqError> {
-    let sizes = |room: f64| {
-        let rows = |share: f64, row_bits: f64, most: usize| {
-            ((8.0 * room * share / row_bits) as usize).clamp(4, most.max(4))
-        };
-        // Bits of indices are those of typical books; the search below settles what they really take.
-        let p4 = rows(split[0], grid.phis as f64 * 20.0, texels);
-        let merged = 27.0 * DIFFERENT;
-        let p3 = rows(split[1], grid.thetas as f64 * (22.0 + merged), grid.phis * p4);
-        let p2 = rows(split[2], grid.alphas as f64 * 18.0, grid.thetas * p3);
-        let p1 = rows(split[3], grid.betas as f64 * 8.0, grid.alphas * p2);
-        let i2 = (p3 / 16).clamp(4, 1024);
-        BookSizes { p4, p3, p2, p1, i2, i1: (2 * i2).clamp(4, 256), c: 64 }
-    };
-    let taken = |sizes: &BookSizes| stream_bytes(grid, &sizes.rows(grid), bits, texels);
-    let (mut low, mut high) = (0.0, bytes as f64);
-    if taken(&sizes(low)) > bytes {
-        return Err(VqError::Budget {
-            bytes,
-            what: format!("{texels} texels"),
-            least: taken(&sizes(low)),
-        });
-    }
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if taken(&sizes(middle)) <= bytes { low = middle } else { high = middle }
-    }
-    Ok(sizes(low))
 }
 
-impl BookSizes {
-    /// Rows of all books, with those of M as they usually come out.
+impl Room<'_> {
+    /// The sizes of a split that fill the bytes, or hold every slice in fewer.
+    fn sizes(&self, split: &[f64; 4], different: f64) -> Result<BookSizes, VqError> {
+        let taken = |sizes: &BookSizes| {
+            stream_bytes(self.grid, &sizes.rows(self.grid, different), self.bits, self.texels)
+        };
+        let least = taken(&self.sizes_in(0.0, split, different));
+        if least > self.bytes {
+            let what = format!("{} texels", self.texels);
+            return Err(VqError::Budget { bytes: self.bytes, what, least });
+        }
+        // Books that hold every slice already leave their room to others.
+        #[expect(clippy::cast_precision_loss, reason = "bytes of a file")]
+        let (mut low, mut high) = (0.0, 64.0 * self.bytes as f64);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            let sizes = self.sizes_in(middle, split, different);
+            if taken(&sizes) <= self.bytes { low = middle } else { high = middle }
+        }
+        Ok(self.sizes_in(low, split, different))
+    }
+
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::cast_precision_loss,
         reason = "rows of books"
     )]
-    pub fn rows(&self, grid: &AngularGrid) -> Rows {
+    fn sizes_in(&self, room: f64, split: &[f64; 4], different: f64) -> BookSizes {
+        let (grid, texels) = (self.grid, self.texels);
+        let rows = |share: f64, row_bits: f64, most: usize| {
+            ((8.0 * room * share / row_bits) as usize).clamp(4.min(most), most)
+        };
+        // Bits of indices are those of typical books; the search settles what they really take.
+        let p4 = rows(split[0], grid.phis as f64 * 20.0, texels);
+        let merged = 27.0 * different;
+        let p3 = rows(split[1], grid.thetas as f64 * (22.0 + merged), grid.phis * p4);
+        let p2 = rows(split[2], grid.alphas as f64 * 18.0, grid.thetas * p3);
+        let p1 = rows(split[3], grid.betas as f64 * 8.0, grid.alphas * p2);
+        if grid.phis == 1 {
+            return BookSizes { p4, p3, p2, p1, i2: p2, i1: 1024.min(grid.alphas * p2), c: 256 };
+        }
+        let i2 = (p3 / 16).clamp(4, 1024);
+        BookSizes { p4, p3, p2, p1, i2, i1: (2 * i2).clamp(4, 256), c: 64 }
+    }
+}
+
+impl BookSizes {
+    /// Rows of all books, with a row of M for this share of the views of P3.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "rows of books"
+    )]
+    pub fn rows(&self, grid: &AngularGrid, different: f64) -> Rows {
         let Self { p4, p3, p2, p1, i2, i1, c } = *self;
-        let m = (DIFFERENT * (p3 * grid.thetas) as f64) as usize;
+        let m = (different * (p3 * grid.thetas) as f64) as usize;
         Rows { p1, p2, c, i1, i2, m: m.max(1), p3, p4 }
     }
 
@@ -185,15 +211,29 @@ mod tests {
         let grid = AngularGrid::default();
         let bits = ScaleBits::refined();
         for bytes in [400_000_u64, 1_690_000, 5_000_000] {
+            let room = Room { grid: &grid, bits: &bits, texels: 65_536, bytes };
             for split in &SPLITS {
-                let sizes = sizes_for(&grid, &bits, 65_536, bytes, split).unwrap();
-                let taken = stream_bytes(&grid, &sizes.rows(&grid), &bits, 65_536);
+                let sizes = room.sizes(split, DIFFERENT).unwrap();
+                let taken = stream_bytes(&grid, &sizes.rows(&grid, DIFFERENT), &bits, 65_536);
                 assert!(
                     taken <= bytes && taken > bytes * 97 / 100,
                     "{taken} of {bytes}: {sizes:?}"
                 );
             }
         }
-        assert!(sizes_for(&grid, &bits, 65_536, 1000, &SPLITS[0]).is_err());
+        let room = Room { grid: &grid, bits: &bits, texels: 65_536, bytes: 1000 };
+        assert!(room.sizes(&SPLITS[0], DIFFERENT).is_err());
+    }
+
+    #[test]
+    fn brdfs_get_a_row_for_every_slice_where_there_is_room() {
+        let grid = AngularGrid { alphas: 45, betas: 45, thetas: 35, phis: 1, ..Default::default() };
+        let bits = ScaleBits::refined();
+        let room = Room { grid: &grid, bits: &bits, texels: 60, bytes: 7_000_000 };
+        let sizes = room.sizes(&BRDF_SPLIT, 1.0).unwrap();
+        assert_eq!([sizes.p4, sizes.p3, sizes.p2, sizes.p1], [60, 60, 2100, 94_500]);
+        let room = Room { bytes: 1_000_000, ..room };
+        let sizes = room.sizes(&BRDF_SPLIT, 1.0).unwrap();
+        assert!(sizes.p1 < 94_500 && sizes.p3 == 60, "{sizes:?}");
     }
 }

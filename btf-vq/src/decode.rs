@@ -1,11 +1,13 @@
 //! Random access: any texel for any light and view, straight from the packed books.
 
+use std::array::from_fn;
+
 use glam::DVec3;
 
 use crate::bits::{PackedEntries, index_bits};
 use crate::books::level_size;
 use crate::colour::from_luma_chroma;
-use crate::{AngularGrid, Chroma, Encoding, LightTaps, Quantiser, ViewTaps, VqModel};
+use crate::{AngularGrid, Chroma, Encoding, LightTaps, Pair, Quantiser, ViewTaps, VqModel};
 
 /// Where a pair of directions lies in the grid: made once, used for many texels.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -18,9 +20,10 @@ pub struct Taps {
 
 impl Taps {
     /// The taps of unit directions of the upper hemisphere.
+    #[inline]
     pub fn new(grid: &AngularGrid, wi: DVec3, wo: DVec3) -> Self {
-        let (view, phi_v) = grid.view_taps(wo);
-        Self { view, light: grid.light_taps(wi, phi_v) }
+        let (view, azimuth) = grid.view_taps(wo);
+        Self { view, light: grid.light_taps(wi, azimuth) }
     }
 
     /// The 16 nodes, of one channel, and their weights.
@@ -66,9 +69,19 @@ impl<'a> ScaledBook<'a> {
 
     /// Index and scale of an entry of a row.
     #[inline]
-    #[expect(clippy::cast_possible_truncation, reason = "masked to the bits of a row")]
     fn get(&self, row: usize, at: usize) -> (usize, f32) {
-        let entry = self.entries.get(row * self.len + at);
+        self.split(self.entries.get(row * self.len + at))
+    }
+
+    /// The same of two entries of a row, `at` and the next.
+    #[inline]
+    fn pair(&self, row: usize, at: usize) -> [(usize, f32); 2] {
+        self.entries.pair(row * self.len + at).map(|entry| self.split(entry))
+    }
+
+    #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "masked to the bits of a row")]
+    fn split(&self, entry: u64) -> (usize, f32) {
         let scale = self.scales.get((entry >> self.index_bits) as usize).copied();
         ((entry & self.index_mask) as usize, scale.unwrap_or(0.0))
     }
@@ -87,26 +100,32 @@ impl<'a> PlainBook<'a> {
     fn get(&self, row: usize, at: usize) -> usize {
         self.entries.get(row * self.len + at) as usize
     }
-}
 
-/// Codes to values by a straight line.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    min: f32,
-    step: f32,
-}
-
-impl Line {
-    fn new(quantiser: &Quantiser) -> Self {
-        let min = quantiser.decode(0);
-        Self { min, step: quantiser.decode(1) - min }
-    }
-
+    /// Two codes of a row, `at` and the next.
     #[inline]
-    #[expect(clippy::cast_precision_loss, reason = "codes have at most 8 bits")]
-    fn at(self, code: usize) -> f32 {
-        self.min + self.step * code as f32
+    #[expect(clippy::cast_possible_truncation, reason = "entries hold an index")]
+    fn pair(&self, row: usize, at: usize) -> [usize; 2] {
+        self.entries.pair(row * self.len + at).map(|entry| entry as usize)
     }
+}
+
+/// Texels that are decoded together.
+pub(crate) const ABREAST: usize = 8;
+
+/// A row on the way down the books, the product of scales that led there and the share of its node.
+#[derive(Clone, Copy, Debug, Default)]
+struct Branch {
+    row: usize,
+    scale: f32,
+    weight: f32,
+}
+
+/// Rows of P1 and I1, and the scale of the former.
+#[derive(Clone, Copy, Debug, Default)]
+struct Line2 {
+    p1: usize,
+    scale: f32,
+    i1: usize,
 }
 
 /// A level of a texture, ready to read.
@@ -125,10 +144,11 @@ pub struct Decoder<'a> {
     chroma: Chroma,
     rows: usize,
     p1: PlainBook<'a>,
-    p1_line: Line,
+    /// Values of P1's codes.
+    p1_values: Vec<f32>,
     p2: ScaledBook<'a>,
-    c: PlainBook<'a>,
-    c_lines: [Line; 2],
+    /// C, unpacked: it is small and read most.
+    colours: Vec<[f32; 2]>,
     i1: PlainBook<'a>,
     i2: PlainBook<'a>,
     m: PackedEntries<'a>,
@@ -139,6 +159,8 @@ pub struct Decoder<'a> {
     /// Integral of each row of P1 over β, and of each row of P2 over both, in nodes.
     p1_mass: Vec<f32>,
     p2_mass: Vec<f32>,
+    /// Of the grid, sr.
+    pub(crate) cell_solid_angle: f64,
 }
 
 impl VqModel {
@@ -151,23 +173,27 @@ impl VqModel {
             entries: PackedEntries::new(self.stream(stream), bits),
             len,
         };
-        let first = 8 + header.materials[..material].iter().map(|m| m.levels).sum::<usize>();
-        let levels = (0..texture.levels).map(|level| {
-            let (width, height) = level_size(texture.width, texture.height, level);
+        let before = header.materials[..material].iter();
+        let first = 8 + before.map(|m| m.info.levels).sum::<usize>();
+        let levels = (0..texture.info.levels).map(|level| {
+            let (width, height) = level_size(texture.info.width, texture.info.height, level);
             let bytes = self.stream(first + level);
             Texture { width, height, p6: ScaledBook::new(bytes, 1, rows.p4, &texture.scale) }
         });
         let m_low_bits = index_bits(rows.p2);
+        let chromas = header.c.map(|quantiser| quantiser.table());
+        let colours = self.stream(2).as_chunks::<2>().0.iter();
         let mut decoder = Decoder {
             grid,
             encoding: header.encoding,
             chroma: header.chroma,
             rows: rows.p4,
             p1: plain(0, grid.betas, header.p1.bits),
-            p1_line: Line::new(&header.p1),
+            p1_values: header.p1.table(),
             p2: ScaledBook::new(self.stream(1), grid.alphas, rows.p1, &header.p2),
-            c: plain(2, 2, 8),
-            c_lines: [Line::new(&header.c[0]), Line::new(&header.c[1])],
+            colours: colours
+                .map(|c| [chromas[0][usize::from(c[0])], chromas[1][usize::from(c[1])]])
+                .collect(),
             i1: plain(3, grid.betas, index_bits(rows.c)),
             i2: plain(4, grid.alphas, index_bits(rows.i1)),
             m: PackedEntries::new(self.stream(5), m_low_bits + index_bits(rows.i2)),
@@ -177,6 +203,7 @@ impl VqModel {
             levels: levels.collect(),
             p1_mass: Vec::new(),
             p2_mass: Vec::new(),
+            cell_solid_angle: grid.cell_solid_angle(),
         };
         decoder.p1_mass = (0..rows.p1)
             .map(|row| {
@@ -224,8 +251,26 @@ impl Decoder<'_> {
     /// If there is no such level. Texels past the end give some other texel's value.
     #[inline]
     pub fn texel(&self, level: usize, texel: usize, taps: &Taps) -> [f32; 3] {
-        let (p4, scale) = self.levels[level].p6.get(texel, 0);
-        self.scaled(self.row(p4, taps), scale)
+        let [value] = self.texels(level, [texel], [taps]);
+        value
+    }
+
+    #[inline]
+    fn texels<const N: usize>(
+        &self,
+        level: usize,
+        texels: [usize; N],
+        taps: [&Taps; N],
+    ) -> [[f32; 3]; N] {
+        let (mut p4, mut scales) = ([0; N], [0.0; N]);
+        for ((texel, p4), scale) in texels.into_iter().zip(&mut p4).zip(&mut scales) {
+            (*p4, *scale) = self.levels[level].p6.get(texel, 0);
+        }
+        let mut values = self.rows(p4, taps);
+        for (value, scale) in values.iter_mut().zip(scales) {
+            *value = self.scaled(*value, scale);
+        }
+        values
     }
 
     /// Values of a row of P4 with the scale of P6, as RGB.
@@ -240,21 +285,81 @@ impl Decoder<'_> {
         from_luma_chroma(self.encoding, [y * scale, a * chroma, b * chroma])
     }
 
-    /// Luminance of unit scale and chrominances of a row of P4 between the nodes around `taps`.
+    /// Luminance of unit scale and chrominances of rows of P4 between the nodes around `taps`.
+    ///
+    /// Rows go down the books abreast: what one waits for in memory, the others need not.
     #[inline]
-    fn row(&self, p4: usize, taps: &Taps) -> [f32; 3] {
-        let mut sum = [0.0; 3];
-        for (phi, w_phi) in taps.view.phi.iter() {
-            let (p3, s4) = self.p4.get(p4, phi);
-            for (theta, w_theta) in taps.view.theta.iter() {
-                let (m, s3) = self.p3.get(p3, theta);
-                let [y, a, b] = self.slice(m, &taps.light);
-                let (weight, scale) = (w_phi * w_theta, s4 * s3);
-                let chroma = if self.chroma == Chroma::Relative { weight * scale } else { weight };
-                sum[0] += weight * scale * y;
-                sum[1] += chroma * a;
-                sum[2] += chroma * b;
+    fn rows<const N: usize>(&self, p4: [usize; N], taps: [&Taps; N]) -> [[f32; 3]; N] {
+        let views = self.views(p4, taps.map(|taps| &taps.view));
+        let mut slices = [[(0, 0); 4]; N];
+        for (views, slices) in views.iter().zip(&mut slices) {
+            for (view, slice) in views.iter().zip(slices) {
+                *slice = self.merged(view.row);
             }
+        }
+        let mut lines = [[[Line2::default(); 2]; 4]; N];
+        for ((slices, taps), lines) in slices.iter().zip(taps).zip(&mut lines) {
+            for ((p2, i2), lines) in slices.iter().zip(lines) {
+                let alpha = taps.light.alpha.at[0];
+                let (p1, i1) = (self.p2.pair(*p2, alpha), self.i2.pair(*i2, alpha));
+                for i in 0..2 {
+                    lines[i] = Line2 { p1: p1[i].0, scale: p1[i].1, i1: i1[i] };
+                }
+            }
+        }
+        let mut sums = [[0.0; 3]; N];
+        for (((views, lines), taps), sum) in views.iter().zip(&lines).zip(taps).zip(&mut sums) {
+            for (view, lines) in views.iter().zip(lines) {
+                let mut slice = [0.0; 3];
+                for (line, weight) in lines.iter().zip(taps.light.alpha.weight) {
+                    let part = self.line(line, &taps.light.beta);
+                    slice.iter_mut().zip(part).for_each(|(s, v)| *s += weight * v);
+                }
+                let weight = view.weight * view.scale;
+                let chroma = if self.chroma == Chroma::Relative { weight } else { view.weight };
+                sum[0] += weight * slice[0];
+                sum[1] += chroma * slice[1];
+                sum[2] += chroma * slice[2];
+            }
+        }
+        sums
+    }
+
+    /// Rows of M at the four nodes around each view.
+    #[inline]
+    fn views<const N: usize>(&self, p4: [usize; N], taps: [&ViewTaps; N]) -> [[Branch; 4]; N] {
+        let mut views = [[Branch::default(); 4]; N];
+        for ((p4, ViewTaps { phi, theta }), views) in p4.into_iter().zip(taps).zip(&mut views) {
+            for (i, pair) in views.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+                let (p3, scale) = self.p4.get(p4, phi.at[i]);
+                // Rows of P3, until the next loop.
+                *pair = theta.weight.map(|w| Branch { row: p3, scale, weight: phi.weight[i] * w });
+            }
+        }
+        for (views, taps) in views.iter_mut().zip(taps) {
+            for pair in views.as_chunks_mut::<2>().0 {
+                let entries = self.p3.pair(pair[0].row, taps.theta.at[0]);
+                for (view, (m, scale)) in pair.iter_mut().zip(entries) {
+                    (view.row, view.scale) = (m, view.scale * scale);
+                }
+            }
+        }
+        views
+    }
+
+    /// Luminance and chrominances along β.
+    #[inline(always)] // left to the compiler it stays a call
+    fn line(&self, line: &Line2, beta: &Pair) -> [f32; 3] {
+        let values = self.p1.pair(line.p1, beta.at[0]);
+        let colours = self.i1.pair(line.i1, beta.at[0]);
+        let mut sum = [0.0; 3];
+        for i in 0..2 {
+            let luma = beta.weight[i] * line.scale * self.p1_values[values[i]];
+            let chroma = if self.chroma == Chroma::Relative { luma } else { beta.weight[i] };
+            let [a, b] = self.colours[colours[i]];
+            sum[0] += luma;
+            sum[1] += chroma * a;
+            sum[2] += chroma * b;
         }
         sum
     }
@@ -267,44 +372,28 @@ impl Decoder<'_> {
         ((entry & ((1 << self.m_low_bits) - 1)) as usize, (entry >> self.m_low_bits) as usize)
     }
 
-    /// The same of a row of M.
-    #[inline]
-    fn slice(&self, m: usize, light: &LightTaps) -> [f32; 3] {
-        let (p2, i2) = self.merged(m);
-        let is_relative = self.chroma == Chroma::Relative;
-        let mut sum = [0.0; 3];
-        for (alpha, w_alpha) in light.alpha.iter() {
-            let (p1, s2) = self.p2.get(p2, alpha);
-            let i1 = self.i2.get(i2, alpha);
-            for (beta, w_beta) in light.beta.iter() {
-                let y = s2 * self.p1_line.at(self.p1.get(p1, beta));
-                let c = self.i1.get(i1, beta);
-                let weight = w_alpha * w_beta;
-                let chroma = if is_relative { weight * y } else { weight };
-                sum[0] += weight * y;
-                sum[1] += chroma * self.c_lines[0].at(self.c.get(c, 0));
-                sum[2] += chroma * self.c_lines[1].at(self.c.get(c, 1));
-            }
-        }
-        sum
-    }
-
     /// A value of a row of P1.
     #[inline]
     pub(crate) fn p1_value(&self, row: usize, beta: usize) -> f32 {
-        self.p1_line.at(self.p1.get(row, beta))
+        self.p1_values[self.p1.get(row, beta)]
     }
 
-    /// Row of P1 and scale that a row of P2 has at an α.
+    /// Integral over β of a row of P1.
     #[inline]
-    pub(crate) fn p1_row(&self, p2: usize, alpha: usize) -> (usize, f32) {
-        self.p2.get(p2, alpha.min(self.grid.alphas - 1))
+    pub(crate) fn p1_mass(&self, row: usize) -> f32 {
+        self.p1_mass[row]
+    }
+
+    /// Rows of P1 and scales that a row of P2 has at an α and the next.
+    #[inline]
+    pub(crate) fn p1_rows(&self, p2: usize, alpha: usize) -> [(usize, f32); 2] {
+        self.p2.pair(p2, alpha)
     }
 
     /// Integral over β of a row of P2 at an α.
     #[inline]
     pub(crate) fn row_mass(&self, p2: usize, alpha: usize) -> f32 {
-        let (p1, scale) = self.p1_row(p2, alpha);
+        let (p1, scale) = self.p2.get(p2, alpha);
         scale * self.p1_mass[p1]
     }
 
@@ -314,35 +403,40 @@ impl Decoder<'_> {
         self.p2_mass[p2]
     }
 
-    /// Row of P2 and scale, without that of P6, of a texel of the finest level for a view `[phi][theta]`.
+    /// Rows of P2 of texels of the finest level at the four nodes around each view, and what they count,
+    /// without the scale of P6.
     #[inline]
-    pub(crate) fn view_slice(&self, texel: usize, view: usize) -> (usize, f32) {
-        let (p4, _) = self.levels[0].p6.get(texel, 0);
-        let (p3, s4) = self.p4.get(p4, view / self.grid.thetas);
-        let (m, s3) = self.p3.get(p3, view % self.grid.thetas);
-        (self.merged(m).0, s4 * s3)
-    }
-
-    /// Luminance of a texel of the finest level, without the scale of P6.
-    #[inline]
-    pub(crate) fn luminance(&self, texel: usize, taps: &Taps) -> f32 {
-        let (p4, _) = self.levels[0].p6.get(texel, 0);
-        let mut sum = 0.0;
-        for (phi, w_phi) in taps.view.phi.iter() {
-            let (p3, s4) = self.p4.get(p4, phi);
-            for (theta, w_theta) in taps.view.theta.iter() {
-                let (m, s3) = self.p3.get(p3, theta);
-                let (p2, _) = self.merged(m);
-                let weight = w_phi * w_theta * s4 * s3;
-                for (alpha, w_alpha) in taps.light.alpha.iter() {
-                    let (p1, s2) = self.p2.get(p2, alpha);
-                    for (beta, w_beta) in taps.light.beta.iter() {
-                        sum += weight * w_alpha * w_beta * s2 * self.p1_value(p1, beta);
-                    }
-                }
+    pub(crate) fn view_slices<const N: usize>(
+        &self,
+        texels: [usize; N],
+        views: [&ViewTaps; N],
+    ) -> [[(usize, f32); 4]; N] {
+        let mut p4 = [0; N];
+        for (p4, texel) in p4.iter_mut().zip(texels) {
+            *p4 = self.levels[0].p6.get(texel, 0).0;
+        }
+        let mut slices = [[(0, 0.0); 4]; N];
+        for (views, slices) in self.views(p4, views).iter().zip(&mut slices) {
+            for (view, slice) in views.iter().zip(slices) {
+                *slice = (self.merged(view.row).0, view.scale * view.weight);
             }
         }
-        sum
+        slices
+    }
+
+    /// A row of P2 between nodes: the lower ones along α and β, and the parts beyond them.
+    #[inline]
+    pub(crate) fn slice_luminance(
+        &self,
+        p2: usize,
+        [alpha, beta]: [usize; 2],
+        [across, along]: [f32; 2],
+    ) -> f32 {
+        let lines = self.p2.pair(p2, alpha).map(|(p1, scale)| {
+            let [low, high] = self.p1.pair(p1, beta).map(|code| self.p1_values[code]);
+            scale * ((1.0 - along) * low + along * high)
+        });
+        (1.0 - across) * lines[0] + across * lines[1]
     }
 
     /// Adds the luminance of a texel for a view of the grid, `[phi][theta]`, times a weight.
@@ -374,7 +468,12 @@ impl Decoder<'_> {
     /// Unless `out` is as long as `queries`.
     pub fn batch(&self, queries: &[(usize, Taps)], out: &mut [[f32; 3]]) {
         assert_eq!(queries.len(), out.len(), "a value for each query");
-        for ((texel, taps), value) in queries.iter().zip(out) {
+        let (groups, rest) = queries.as_chunks::<ABREAST>();
+        let (out_groups, out_rest) = out.as_chunks_mut::<ABREAST>();
+        for (group, values) in groups.iter().zip(out_groups) {
+            *values = self.texels(0, from_fn(|q| group[q].0), from_fn(|q| &group[q].1));
+        }
+        for ((texel, taps), value) in rest.iter().zip(out_rest) {
             *value = self.texel(0, *texel, taps);
         }
     }
@@ -385,8 +484,15 @@ impl Decoder<'_> {
     ///
     /// If there is no such level.
     pub fn run(&self, level: usize, first: usize, taps: &Taps, out: &mut [[f32; 3]]) {
-        for (offset, value) in out.iter_mut().enumerate() {
-            *value = self.texel(level, first + offset, taps);
+        let (groups, rest) = out.as_chunks_mut::<ABREAST>();
+        let mut texel = first;
+        for values in groups {
+            *values = self.texels(level, from_fn(|q| texel + q), [taps; ABREAST]);
+            texel += ABREAST;
+        }
+        for value in rest {
+            *value = self.texel(level, texel, taps);
+            texel += 1;
         }
     }
 
@@ -398,7 +504,7 @@ impl Decoder<'_> {
     pub fn image(&self, level: usize, taps: &Taps, out: &mut [[f32; 3]]) {
         let texture = &self.levels[level];
         assert_eq!(out.len(), texture.width * texture.height, "a value for each texel");
-        let rows: Vec<[f32; 3]> = (0..self.rows).map(|p4| self.row(p4, taps)).collect();
+        let rows: Vec<[f32; 3]> = (0..self.rows).flat_map(|p4| self.rows([p4], [taps])).collect();
         for (texel, value) in out.iter_mut().enumerate() {
             let (p4, scale) = texture.p6.get(texel, 0);
             *value = self.scaled(rows[p4], scale);

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::bits::{MAX_ENTRY_BITS, PackedEntries, index_bits, pack, packed_len};
-use crate::books::level_size;
 use crate::{
-    AngularGrid, Books, Chroma, Encoding, IndexBook, Material, Quantiser, ValueBook, VqError,
+    AngularGrid, Books, Chroma, Encoding, IndexBook, Material, Quantiser, TextureInfo, ValueBook,
+    VqError,
 };
 
 /// Rows of the shared books.
@@ -26,19 +26,28 @@ pub struct Rows {
     pub p4: usize,
 }
 
-/// A texture in a compressed BTF.
+impl Rows {
+    /// Of books.
+    pub fn of(books: &Books) -> Self {
+        Self {
+            p1: books.p1.rows(),
+            p2: books.p2.rows(),
+            c: books.c.rows(),
+            i1: books.i1.rows(),
+            i2: books.i2.rows(),
+            m: books.m.rows(),
+            p3: books.p3.rows(),
+            p4: books.p4.rows(),
+        }
+    }
+}
+
+/// A texture over codebooks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MaterialHeader {
-    /// What it is called.
-    pub name: String,
-    /// Texels in a row of the finest level.
-    pub width: usize,
-    /// Rows of the finest level.
-    pub height: usize,
-    /// Whether values contain the cosine of the light's polar angle.
-    pub cosine_included: bool,
-    /// Resolutions, the finest and those below.
-    pub levels: usize,
+pub struct TextureHeader {
+    /// What it is.
+    #[serde(flatten)]
+    pub info: TextureInfo,
     /// Of the scales of P6.
     pub scale: Quantiser,
 }
@@ -65,7 +74,7 @@ pub struct Header {
     /// Of the scales of P4.
     pub p4: Quantiser,
     /// The textures.
-    pub materials: Vec<MaterialHeader>,
+    pub materials: Vec<TextureHeader>,
 }
 
 /// Bits of scales and values.
@@ -130,18 +139,16 @@ impl Header {
     /// P6 of every material and level.
     fn texture_shapes(&self) -> impl Iterator<Item = Shape> + '_ {
         self.materials.iter().flat_map(move |material| {
-            (0..material.levels).map(move |level| {
-                let (width, height) = level_size(material.width, material.height, level);
-                let entry_bits = index_bits(self.rows.p4) + material.scale.bits;
-                Shape { name: "P6", rows: width * height, len: 1, entry_bits }
-            })
+            let entry_bits = index_bits(self.rows.p4) + material.scale.bits;
+            let rows = material.info.level_lens();
+            rows.map(move |rows| Shape { name: "P6", rows, len: 1, entry_bits })
         })
     }
 
     /// Names of all streams, in order: the books, then `P6.material.level`.
     pub fn stream_names(&self) -> Vec<String> {
         let textures = self.materials.iter().enumerate().flat_map(|(index, material)| {
-            (0..material.levels).map(move |level| format!("P6.{index}.{level}"))
+            (0..material.info.levels).map(move |level| format!("P6.{index}.{level}"))
         });
         self.shapes().iter().map(|s| s.name.to_owned()).chain(textures).collect()
     }
@@ -162,12 +169,7 @@ impl Header {
             );
         }
         for material in &self.materials {
-            let MaterialHeader { width, height, levels, .. } = *material;
-            let texels = width.checked_mul(height).filter(|n| (1..=1 << 28).contains(n));
-            if texels.is_none() || !(1..=28).contains(&levels) {
-                let found = format!("{width} × {height}, {levels} levels");
-                return refuse("a texture's size", found, "1 to 2^28 texels and 1 to 28 levels");
-            }
+            material.info.check()?;
         }
         if let Some(bad) = self.shapes().iter().find(|s| s.rows == 0 || s.rows > 1 << 30) {
             return refuse("rows of a book", format!("{} in {}", bad.rows, bad.name), "1 to 2^30");
@@ -292,20 +294,20 @@ impl VqModel {
             grid: books.grid,
             encoding: books.encoding,
             chroma: books.chroma,
-            rows: rows_of(books),
-            p1: Quantiser::linear(bits.p1, books.p1.values.iter().copied()),
+            rows: Rows::of(books),
+            // Densities along β are peaks and floors, where radiance is linear.
+            p1: match (bits.always_log, books.encoding) {
+                (true, Encoding::Linear) => Quantiser::logarithmic(bits.p1, &books.p1.values),
+                _ => Quantiser::linear(bits.p1, books.p1.values.iter().copied()),
+            },
             c: [column(0), column(1)],
             p2: quantise(bits.p2, &books.p2.scale),
             p3: quantise(bits.p3, &books.p3.scale),
             p4: quantise(bits.p4, &books.p4.scale),
             materials: materials
                 .iter()
-                .map(|material| MaterialHeader {
-                    name: material.name.clone(),
-                    width: material.width,
-                    height: material.height,
-                    cosine_included: material.cosine_included,
-                    levels: material.levels.len(),
+                .map(|material| TextureHeader {
+                    info: material.info.clone(),
                     scale: quantise(bits.p6, &all_scales(material)),
                 })
                 .collect(),
@@ -361,21 +363,14 @@ impl VqModel {
             .collect();
         let mut stream = header.shapes().len();
         let materials = header.materials.iter().map(|material| {
-            let levels = (0..material.levels).map(|level| {
-                let (width, height) = level_size(material.width, material.height, level);
-                let (index, scale) =
-                    self.scaled(stream + level, width * height, rows.p4, &material.scale);
+            let lens = material.info.level_lens().enumerate();
+            let levels = lens.map(|(level, texels)| {
+                let (index, scale) = self.scaled(stream + level, texels, rows.p4, &material.scale);
                 IndexBook { len: 1, index, scale }
             });
             let levels: Vec<IndexBook> = levels.collect();
-            stream += material.levels;
-            Material {
-                name: material.name.clone(),
-                width: material.width,
-                height: material.height,
-                cosine_included: material.cosine_included,
-                levels,
-            }
+            stream += material.info.levels;
+            Material { info: material.info.clone(), levels }
         });
         let materials = materials.collect();
         (books, materials)
@@ -416,19 +411,6 @@ impl VqModel {
 #[expect(clippy::cast_possible_truncation, reason = "masked to at most 32 bits")]
 fn low_bits(entry: u64, bits: u32) -> u32 {
     (entry & ((1_u64 << bits) - 1)) as u32
-}
-
-fn rows_of(books: &Books) -> Rows {
-    Rows {
-        p1: books.p1.rows(),
-        p2: books.p2.rows(),
-        c: books.c.rows(),
-        i1: books.i1.rows(),
-        i2: books.i2.rows(),
-        m: books.m.rows(),
-        p3: books.p3.rows(),
-        p4: books.p4.rows(),
-    }
 }
 
 fn all_scales(material: &Material) -> Vec<f32> {

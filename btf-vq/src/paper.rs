@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::nearest::{CodeSet, Match, dot};
 use crate::ssim::{SliceSsim, percentile_98};
 use crate::survey::channel_weights;
-use crate::{AngularGrid, Books, Chroma, Encoding, IndexBook, TexelSet, VqError};
+use crate::{AngularGrid, Books, Chroma, IndexBook, Rows, TexelSet, VqError};
 
 /// How similar slices are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,8 +124,9 @@ struct Encoder {
     c: Codes,
 }
 
-/// Compresses sets of texels as the paper does; returns the books and, for each set, a row of P6 a
-/// texel. `progress` hears how many texels are done, those seen first twice.
+/// Compresses sets of texels as the paper does, into books that may hold others already, whose rows stay
+/// as they are; returns the books and, for each set, a row of P6 a texel. `progress` hears how many
+/// texels are done, those seen first twice.
 ///
 /// # Errors
 ///
@@ -133,25 +134,31 @@ struct Encoder {
 ///
 /// # Panics
 ///
-/// If there are no sets.
+/// If the books are of another grid or encoding, or hold relative chrominance.
 pub fn encode_paper(
     sets: &[TexelSet<'_>],
     params: &PaperParams,
+    books: Books,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<(Books, Vec<IndexBook>), VqError> {
-    let grid = *sets[0].resampler.grid();
-    let encoding = sets[0].source.layout().encoding;
+    for set in sets {
+        assert!(
+            (&books.grid, books.encoding, books.chroma)
+                == (set.grid(), set.encoding(), Chroma::Absolute),
+            "books of the sets' kind"
+        );
+    }
     let total: usize = sets.iter().map(TexelSet::len).sum();
-    let mut encoder = Encoder::new(grid, encoding, params, total);
+    let mut encoder = Encoder::new(params, total, books);
     for (pass, (share, factor)) in PASSES.iter().enumerate() {
         encoder.measure = params.measure.times(*factor);
         for set in sets {
-            let order = halton_texels(set.source.layout().width, set.source.layout().height);
+            let order = halton_texels(set.width(), set.height());
             let skip = if pass == 0 { 0 } else { part(set.len(), PASSES[0].0) };
             let count = part(set.len(), *share);
             let seen = &order[skip.min(order.len())..(skip + count).min(order.len())];
             for texels in seen.chunks(crate::BLOCK) {
-                encoder.learn(&set.resampler.gather(set.source, texels)?);
+                encoder.learn(&set.gather(texels)?);
                 progress(texels.len());
             }
         }
@@ -210,16 +217,19 @@ fn radical_inverse(mut index: u32, base: u32) -> f64 {
 }
 
 impl Encoder {
-    fn new(grid: AngularGrid, encoding: Encoding, params: &PaperParams, texels: usize) -> Self {
+    /// An encoder that goes on from books.
+    fn new(params: &PaperParams, texels: usize, books: Books) -> Self {
+        let grid = books.grid;
         let (slice, betas) = (grid.slice_len(), grid.betas);
         let three = grid.thetas * slice;
         let four = grid.node_count();
-        let [_, u, v] = channel_weights(encoding);
-        Self {
+        let [_, u, v] = channel_weights(books.encoding);
+        let rows = Rows::of(&books);
+        let mut encoder = Self {
             grid,
-            books: Books::new(grid, encoding, Chroma::Absolute),
+            books,
             measure: params.measure,
-            most_p4: part(texels, params.budget),
+            most_p4: rows.p4 + part(texels, params.budget),
             roots: [u.sqrt(), v.sqrt()],
             p4: Codes::new(four, 2 * four),
             p3: Codes::new(three, 2 * three),
@@ -229,7 +239,27 @@ impl Encoder {
             i2: Codes::new(0, 2 * slice),
             i1: Codes::new(0, 2 * betas),
             c: Codes::new(0, 2),
+        };
+        for (level, rows) in [
+            (Level::P1, rows.p1),
+            (Level::P2, rows.p2),
+            (Level::C, rows.c),
+            (Level::I1, rows.i1),
+            (Level::I2, rows.i2),
+            (Level::M, rows.m),
+            (Level::P3, rows.p3),
+            (Level::P4, rows.p4),
+        ] {
+            let (luma, chroma) = encoder.lengths(level);
+            let (luma, chroma) = (vec![0.0; luma], vec![0.0; chroma]);
+            for _ in 0..rows {
+                let codes = encoder.codes_mut(level);
+                codes.set.push(&luma, &chroma);
+                codes.lengths.push(0.0);
+            }
+            encoder.rebuild(level, 0);
         }
+        encoder
     }
 
     /// Slices from texels `[texel][channel][node]`.
@@ -486,7 +516,6 @@ impl Encoder {
             }
             Level::P1 => {
                 self.books.p1.values.extend(fresh.iter().flat_map(|at| slice(*at).0));
-                return;
             }
             Level::C => {
                 for at in fresh {
@@ -494,7 +523,6 @@ impl Encoder {
                     let pair = [chroma[0] / self.roots[0], chroma[1] / self.roots[1]];
                     self.books.c.values.extend(pair);
                 }
-                return;
             }
         }
         self.rebuild(level, old);
@@ -519,13 +547,9 @@ impl Encoder {
                         books.expand_i2(row, 0, first);
                         books.expand_i2(row, 1, second);
                     }
-                    Level::I1 => {
-                        for (beta, c) in books.i1.row(row).iter().enumerate() {
-                            let colour = books.c.row(*c as usize);
-                            (values[beta], values[half + beta]) = (colour[0], colour[1]);
-                        }
-                    }
-                    Level::P1 | Level::C => {}
+                    Level::I1 => books.expand_i1(row, &mut values),
+                    Level::P1 => values.copy_from_slice(books.p1.row(row)),
+                    Level::C => values.copy_from_slice(books.c.row(row)),
                 }
                 values
             })
@@ -552,22 +576,21 @@ impl Encoder {
             Measure::Ssim(_) => FEW,
         };
         let nodes = self.grid.node_count();
-        let (blocks, _) =
-            set.resampler.map_blocks(set.source, 0..set.len(), |texels, values| {
-                let slices = self.slices(values);
-                let nearest = self.p4.set.nearest_few(&slices.luma, &slices.chroma, few);
-                progress(texels.len());
-                let entries = nearest.iter().enumerate().map(|(at, nearest)| {
-                    let luma = &slices.luma[at * nodes..][..nodes];
-                    let chroma = &slices.chroma[2 * at * nodes..][..2 * nodes];
-                    let best = match few {
-                        1 => nearest.first().copied(),
-                        _ => self.most_similar(Level::P4, nearest, luma, chroma).map(|best| best.0),
-                    };
-                    best.map_or(Entry { row: 0, scale: 0.0 }, |found| self.p4.entry(found))
-                });
-                entries.collect::<Vec<Entry>>()
-            })?;
+        let (blocks, _) = set.map_blocks(0..set.len(), |texels, values| {
+            let slices = self.slices(values);
+            let nearest = self.p4.set.nearest_few(&slices.luma, &slices.chroma, few);
+            progress(texels.len());
+            let entries = nearest.iter().enumerate().map(|(at, nearest)| {
+                let luma = &slices.luma[at * nodes..][..nodes];
+                let chroma = &slices.chroma[2 * at * nodes..][..2 * nodes];
+                let best = match few {
+                    1 => nearest.first().copied(),
+                    _ => self.most_similar(Level::P4, nearest, luma, chroma).map(|best| best.0),
+                };
+                best.map_or(Entry { row: 0, scale: 0.0 }, |found| self.p4.entry(found))
+            });
+            entries.collect::<Vec<Entry>>()
+        })?;
         let mut texture = IndexBook { len: 1, ..IndexBook::default() };
         extend(&mut texture, &blocks.concat());
         Ok(texture)

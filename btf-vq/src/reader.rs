@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::colour::srgb_to_linear;
 use crate::sample::LightSampler;
-use crate::{AngularGrid, Decoder, Encoding, LpcaDecoder, LpcaModel, Taps, VqModel};
+use crate::{AngularGrid, Decoder, Encoding, LpcaDecoder, LpcaModel, Taps, TextureInfo, VqModel};
 
 /// A compressed BTF.
 #[derive(Clone, Debug)]
@@ -15,44 +15,12 @@ pub enum BtfModel {
     Lpca(LpcaModel),
 }
 
-/// One texture of a compressed BTF.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TextureInfo {
-    /// What it is called.
-    pub name: String,
-    /// Texels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Whether values contain the cosine of the light's polar angle.
-    pub cosine_included: bool,
-    /// Resolutions.
-    pub levels: usize,
-}
-
 impl BtfModel {
     /// The textures.
     pub fn textures(&self) -> Vec<TextureInfo> {
-        let info = |name: &str, width, height, cosine_included, levels| TextureInfo {
-            name: name.to_owned(),
-            width,
-            height,
-            cosine_included,
-            levels,
-        };
         match self {
-            Self::Vq(model) => {
-                let materials = model.header().materials.iter();
-                materials
-                    .map(|m| info(&m.name, m.width, m.height, m.cosine_included, m.levels))
-                    .collect()
-            }
-            Self::Lpca(model) => {
-                let materials = model.header().materials.iter();
-                materials
-                    .map(|m| info(&m.name, m.width, m.height, m.cosine_included, m.levels))
-                    .collect()
-            }
+            Self::Vq(model) => model.header().materials.iter().map(|m| m.info.clone()).collect(),
+            Self::Lpca(model) => model.header().materials.clone(),
         }
     }
 
@@ -189,12 +157,12 @@ impl BtfReader<'_> {
     /// As [`BtfReader::texel`].
     pub fn albedo(&self, level: usize, texel: usize, wo: DVec3, cosine_included: bool) -> [f64; 3] {
         let grid = *self.grid();
-        let (view, phi_v) = grid.view_taps(wo);
+        let (view, azimuth) = grid.view_taps(wo);
         let mut sum = [0.0; 3];
         for (alpha, w_alpha) in AngularGrid::trapezoid(grid.alphas).enumerate() {
             for (beta, w_beta) in AngularGrid::trapezoid(grid.betas).enumerate() {
-                let [wi, _] = grid.node_directions(alpha, beta, phi_v);
-                let taps = Taps { view, light: grid.light_taps(wi, phi_v) };
+                let [wi, _] = grid.node_directions(alpha, beta, azimuth);
+                let taps = Taps { view, light: grid.light_taps(wi, azimuth) };
                 let cosine = if cosine_included { 1.0 } else { wi.z };
                 let weight = f64::from(w_alpha * w_beta) * cosine * grid.cell_solid_angle();
                 let value = self.linear(level, texel, &taps);

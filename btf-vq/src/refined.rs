@@ -2,6 +2,8 @@
 //! first, each level is clustered in the metric of the images, and rows are built from the bottom up
 //! against what the levels below really hold.
 
+use std::collections::BTreeMap;
+
 use faer::MatRef;
 use rayon::prelude::*;
 
@@ -56,32 +58,45 @@ pub struct Encoded {
 
 /// Iterations at every level: a tradeoff of time, of which they take most.
 const ITERATIONS: usize = 5;
-/// Dimensions in which 3D slices are compared.
+/// Dimensions in which 3D slices are compared; all of them where there are few slices.
 const SLICE_DIMS: usize = 48;
-/// Dimensions in which the luminance of 2D slices is compared.
-const SLICE2_DIMS: usize = 32;
+const FEW_SLICES: usize = 128;
 /// Slices that these dimensions are found on.
 const SLICE_SAMPLE: usize = 1536;
 /// Codes that are expanded together.
 const CHUNK: usize = 64;
 
-/// Builds books of these sizes for a survey.
-pub fn encode_refined(survey: &Survey, sizes: &BookSizes) -> Encoded {
+/// Adds rows, of these numbers, to books so that they hold a survey; rows that the books have serve
+/// where they fit and stay as they are. The new rows index old and new ones alike.
+///
+/// # Panics
+///
+/// If the books are of another grid or encoding, or hold chrominance itself.
+pub fn encode_refined(survey: &Survey, sizes: &BookSizes, mut books: Books) -> Encoded {
+    assert!(
+        (books.grid, books.encoding, books.chroma)
+            == (survey.grid, survey.encoding, Chroma::Relative),
+        "books of the survey's kind"
+    );
     let metric = Metric::of(survey);
-    let dims = survey.space.dims;
     let texel_weights = survey.texel_weights();
-    let texels = cluster_shapes(&survey.coefficients, dims, &texel_weights, sizes.p4, ITERATIONS);
+    let dims = survey.space.dims;
+    let old = rows_in(&survey.space, books.p4.rows(), &survey.root_weights, &|row, out| {
+        books.expand_p4(row, out);
+    });
+    let texels = with_rest(&survey.coefficients, dims);
+    let texels = cluster_shapes(&texels, dims + 1, &texel_weights, &old, sizes.p4, ITERATIONS);
     let mut errors = LevelErrors { p4: texels.distortion, ..LevelErrors::default() };
-    let usage4 = usage(&texels, &texel_weights);
+    let usage4 = usage(&texels, dims + 1, &texel_weights);
+    let codes = without_rest(&texels.codes, dims);
 
-    let slices = ThreeD::cluster(survey, &metric, &texels.codes, &usage4, sizes.p3);
-    errors.p3 = slices.clusters.distortion;
-    let two = TwoD::cluster(survey, &metric, &slices, sizes, &mut errors);
+    let slices = ThreeD::cluster(survey, &metric, &codes, &usage4, sizes.p3, &books);
+    errors.p3 = slices.distortion;
+    let two = TwoD::cluster(&metric, &slices, sizes, &books, &mut errors);
 
-    let mut books = Books::new(survey.grid, survey.encoding, Chroma::Relative);
     two.build(&mut books);
     slices.build(&metric, &two, &mut books);
-    choose_p3(survey, &metric, &texels.codes, &slices.space, &mut books);
+    choose_p3(survey, &metric, &codes, &slices.space, &mut books);
     let matches = choose_p4(survey, &books);
     let left = survey.energies.iter().zip(&matches).zip(&texel_weights);
     errors.total = left.map(|((e, m), w)| f64::from(w * (e - m.score))).sum();
@@ -93,11 +108,13 @@ fn narrow(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
-/// Weighted energy that each code stands for.
-fn usage(clusters: &Clusters, weights: &[f32]) -> Vec<f32> {
-    let mut usage = vec![0.0; clusters.count];
+/// Weighted energy that each code found stands for.
+fn usage(clusters: &Clusters, len: usize, weights: &[f32]) -> Vec<f32> {
+    let mut usage = vec![0.0; clusters.codes.len() / len];
     for ((code, gain), weight) in clusters.assignment.iter().zip(&clusters.gains).zip(weights) {
-        usage[*code as usize] += weight * gain * gain;
+        if let Some(found) = (*code as usize).checked_sub(clusters.fixed) {
+            usage[found] += weight * gain * gain;
+        }
     }
     usage
 }
@@ -147,8 +164,8 @@ impl Metric {
 /// 3D slices: one azimuth of the view, `[channel][theta][alpha][beta]`.
 struct ThreeD {
     space: Subspace,
-    clusters: Clusters,
-    /// Centres as values, with the length that they have in the metric as a scale.
+    distortion: f64,
+    /// Centres found, as values, with the length that they have in the metric as a scale.
     centres: Vec<f32>,
     usage: Vec<f32>,
 }
@@ -160,6 +177,7 @@ impl ThreeD {
         codes: &[f32],
         usage4: &[f32],
         count: usize,
+        books: &Books,
     ) -> Self {
         let grid = survey.grid;
         let len = metric.root3.len();
@@ -172,7 +190,8 @@ impl ThreeD {
             .collect();
         let sample: Vec<f32> =
             (0..grid.phis).flat_map(|phi| slices_of(survey, metric, &chosen, phi)).collect();
-        let space = Subspace::of(&sample, len, SLICE_DIMS);
+        let few = texels * grid.phis <= FEW_SLICES;
+        let space = Subspace::of(&sample, len, if few { FEW_SLICES } else { SLICE_DIMS });
         let (mut coefficients, mut weights) = (Vec::new(), Vec::new());
         for phi in 0..grid.phis {
             for block in codes.chunks(CHUNK * 16 * survey.space.dims) {
@@ -180,15 +199,19 @@ impl ThreeD {
             }
             weights.extend_from_slice(usage4);
         }
-        let clusters = cluster_shapes(&coefficients, space.dims, &weights, count, ITERATIONS);
-        let mut centres = space.lift(&clusters.codes);
+        let old = rows_in(&space, books.p3.rows(), &metric.root3, &|row, out| {
+            books.expand_p3(row, out);
+        });
+        let slices = with_rest(&coefficients, space.dims);
+        let clusters = cluster_shapes(&slices, space.dims + 1, &weights, &old, count, ITERATIONS);
+        let mut centres = space.lift(&without_rest(&clusters.codes, space.dims));
         for centre in centres.chunks_exact_mut(len) {
             centre.iter_mut().zip(&metric.root3).for_each(|(v, r)| *v /= r);
             let luma = len / 3;
             centre[..luma].iter_mut().for_each(|v| *v = v.max(0.0));
         }
-        let usage = usage(&clusters, &weights);
-        Self { space, clusters, centres, usage }
+        let usage = usage(&clusters, space.dims + 1, &weights);
+        Self { space, distortion: clusters.distortion, centres, usage }
     }
 
     /// Rows of P3: a row of M and a scale for each view.
@@ -196,11 +219,18 @@ impl ThreeD {
         let (grid, slice) = (metric.grid, metric.grid.slice_len());
         let pairs: Vec<[u32; 2]> =
             two.luma.assignment.iter().zip(&two.chroma.assignment).map(|(p, i)| [*p, *i]).collect();
-        let mut merged = pairs.clone();
-        merged.sort_unstable();
-        merged.dedup();
-        books.m.index = merged.concat();
-        let expanded: Vec<f32> = (0..merged.len())
+        let old: Vec<[u32; 2]> = books.m.index.as_chunks().0.to_vec();
+        let mut merged: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+        for (row, pair) in old.iter().enumerate() {
+            merged.entry(*pair).or_insert(row);
+        }
+        let mut fresh: Vec<[u32; 2]> =
+            pairs.iter().filter(|pair| !merged.contains_key(*pair)).copied().collect();
+        fresh.sort_unstable();
+        fresh.dedup();
+        merged.extend(fresh.iter().copied().zip(old.len()..));
+        books.m.index.extend(fresh.as_flattened());
+        let expanded: Vec<f32> = (0..books.m.rows())
             .into_par_iter()
             .flat_map_iter(|m| {
                 let mut values = vec![0.0; 3 * slice];
@@ -209,7 +239,7 @@ impl ThreeD {
             })
             .collect();
         for (at, pair) in pairs.iter().enumerate() {
-            let m = merged.binary_search(pair).unwrap_or(0);
+            let m = merged[pair];
             let (centre, theta) = (at / grid.thetas, at % grid.thetas);
             let centre = &self.centres[centre * 3 * grid.thetas * slice..];
             let rebuilt = &expanded[m * 3 * slice..][..3 * slice];
@@ -268,13 +298,13 @@ struct TwoD {
 
 impl TwoD {
     fn cluster(
-        survey: &Survey,
         metric: &Metric,
         three: &ThreeD,
         sizes: &BookSizes,
+        books: &Books,
         errors: &mut LevelErrors,
     ) -> Self {
-        let (grid, slice) = (survey.grid, survey.grid.slice_len());
+        let (grid, slice) = (metric.grid, metric.grid.slice_len());
         let part = 3 * grid.thetas * slice;
         let root2: Vec<f32> = metric.light.iter().map(|w| w.sqrt()).collect();
         let views = || {
@@ -288,26 +318,30 @@ impl TwoD {
             .map(|(v, r)| v * r)
             .collect();
         let weights: Vec<f32> = views().map(|v| v.2 * metric.channels[0]).collect();
-        let step = (weights.len() / SLICE_SAMPLE).max(1);
-        let sample: Vec<f32> = luma.chunks_exact(slice).step_by(step).flatten().copied().collect();
-        let space = Subspace::of(&sample, slice, SLICE2_DIMS);
-        let short = space.project(&luma);
-        let mut luma = cluster_shapes(&short, space.dims, &weights, sizes.p2, ITERATIONS);
-        luma.codes = space.lift(&luma.codes);
+        let luma = luma_slices(&luma, &root2, &weights, sizes.p2, books);
         errors.p2 = luma.distortion;
         let (ratios, ratio_weights) = chroma_ratios(metric, views());
+        let old = rows_of(books.i2.rows(), 2 * slice, |row, out| {
+            let (first, second) = out.split_at_mut(slice);
+            books.expand_i2(row, 0, first);
+            books.expand_i2(row, 1, second);
+        });
         let (chroma, totals2) =
-            cluster_values(&ratios, 2 * slice, &ratio_weights, sizes.i2, ITERATIONS);
+            cluster_values(&ratios, 2 * slice, &ratio_weights, &old, sizes.i2, ITERATIONS);
         errors.i2 = chroma.distortion;
 
         let (root1, slices1, usage2) = one_d_luma(grid, metric, &luma, &weights);
-        let slices1 = cluster_shapes(&slices1, grid.betas, &usage2, sizes.p1, ITERATIONS);
+        let old: Vec<f32> =
+            books.p1.values.iter().zip(root1.iter().cycle()).map(|(v, r)| v * r).collect();
+        let slices1 = cluster_shapes(&slices1, grid.betas, &usage2, &old, sizes.p1, ITERATIONS);
         errors.p1 = slices1.distortion;
         let colour_rows = by_alpha(grid, &chroma.codes);
+        let old = rows_of(books.i1.rows(), 2 * grid.betas, |row, out| books.expand_i1(row, out));
         let (colours1, totals1) = cluster_values(
             &colour_rows,
             2 * grid.betas,
             &by_alpha(grid, &totals2),
+            &old,
             sizes.i1,
             ITERATIONS,
         );
@@ -315,6 +349,7 @@ impl TwoD {
             &by_node(grid, &colours1.codes),
             2,
             &by_node(grid, &totals1),
+            &books.c.values,
             sizes.c,
             2 * ITERATIONS,
         );
@@ -324,18 +359,13 @@ impl TwoD {
     /// P1, P2, C, I1 and I2.
     fn build(&self, books: &mut Books) {
         let grid = books.grid;
-        books.p1.values = self
-            .slices1
-            .codes
-            .iter()
-            .zip(self.metric1.iter().cycle())
-            .map(|(v, r)| (v / r).max(0.0))
-            .collect();
-        books.c.values.clone_from(&self.colours.codes);
-        books.i1.index.clone_from(&self.colours.assignment);
-        books.i2.index.clone_from(&self.colours1.assignment);
-        books.p2.index.clone_from(&self.slices1.assignment);
-        for (row, index) in books.p2.index.iter().enumerate() {
+        let values = self.slices1.codes.iter().zip(self.metric1.iter().cycle());
+        books.p1.values.extend(values.map(|(v, r)| (v / r).max(0.0)));
+        books.c.values.extend(&self.colours.codes);
+        books.i1.index.extend(&self.colours.assignment);
+        books.i2.index.extend(&self.colours1.assignment);
+        books.p2.index.extend(&self.slices1.assignment);
+        for (row, index) in self.slices1.assignment.iter().enumerate() {
             let alpha = row % grid.alphas;
             let wanted = &self.luma.codes[row * grid.betas..][..grid.betas];
             let roots = &self.metric2[alpha * grid.betas..][..grid.betas];
@@ -348,6 +378,34 @@ impl TwoD {
             books.p2.scale.push(if square > 0.0 { (product / square).max(0.0) } else { 0.0 });
         }
     }
+}
+
+/// Codes for the luminance of 2D slices, weighted; found in a subspace unless each slice is a code.
+fn luma_slices(
+    slices: &[f32],
+    root2: &[f32],
+    weights: &[f32],
+    count: usize,
+    books: &Books,
+) -> Clusters {
+    let len = root2.len();
+    if count >= weights.len() {
+        let old = rows_of(books.p2.rows(), len, |row, out| {
+            books.expand_p2(row, out);
+            out.iter_mut().zip(root2).for_each(|(v, r)| *v *= r);
+        });
+        return cluster_shapes(slices, len, weights, &old, count, 0);
+    }
+    // A quarter of the nodes hold a slice of 11 × 11; finer ones are smooth.
+    let dims = (len / 4).clamp(1, 128);
+    let step = (weights.len() / SLICE_SAMPLE).max(1);
+    let sample: Vec<f32> = slices.chunks_exact(len).step_by(step).flatten().copied().collect();
+    let space = Subspace::of(&sample, len, dims);
+    let old = rows_in(&space, books.p2.rows(), root2, &|row, out| books.expand_p2(row, out));
+    let short = with_rest(&space.project(slices), space.dims);
+    let mut luma = cluster_shapes(&short, space.dims + 1, weights, &old, count, ITERATIONS);
+    luma.codes = space.lift(&without_rest(&luma.codes, space.dims));
+    luma
 }
 
 /// Chrominance over luminance of 2D slices, `[slice][channel][node]`, and what each counts.
@@ -387,7 +445,7 @@ fn one_d_luma(
     }
     let total: f32 = across.iter().sum();
     let root1: Vec<f32> = along.iter().map(|w| (w / total * across_mean(&across)).sqrt()).collect();
-    let usage2 = usage(luma, weights);
+    let usage2 = usage(luma, alphas * betas, weights);
     let mut slices = Vec::with_capacity(luma.codes.len());
     let mut usages = Vec::new();
     for (row, slice) in luma.codes.chunks_exact(betas).enumerate() {
@@ -431,12 +489,11 @@ fn by_node(grid: AngularGrid, values: &[f32]) -> Vec<f32> {
         .collect()
 }
 
-/// Rows of P4: for each azimuth of each centre the row of P3, as it really is, that fits best.
+/// New rows of P4: for each azimuth of each centre the row of P3, as it really is, that fits best.
 fn choose_p3(survey: &Survey, metric: &Metric, codes: &[f32], space: &Subspace, books: &mut Books) {
     let phis = survey.grid.phis;
-    let rows = books.p3.rows();
     let expand = |row: usize, out: &mut [f32]| books.expand_p3(row, out);
-    let (set, lengths) = code_set(space, rows, &metric.root3, &expand);
+    let (set, lengths) = code_set(space, books.p3.rows(), &metric.root3, &expand);
     let texels = codes.len() / survey.space.dims;
     let mut index = vec![0; texels * phis];
     let mut scale = vec![0.0; texels * phis];
@@ -448,8 +505,8 @@ fn choose_p3(survey: &Survey, metric: &Metric, codes: &[f32], space: &Subspace, 
             scale[texel * phis + phi] = if length > 0.0 { found.gain / length } else { 0.0 };
         }
     }
-    books.p4.index = index;
-    books.p4.scale = scale;
+    books.p4.index.extend(index);
+    books.p4.scale.extend(scale);
 }
 
 /// The best row of P4, as it really is, for each texel, with the scale for it as gain.
@@ -465,15 +522,28 @@ fn choose_p4(survey: &Survey, books: &Books) -> Vec<Match> {
     matches
 }
 
-/// Rows of a book as codes in a subspace, with one more coordinate for what lies outside, so that
-/// they keep their lengths; and these lengths.
+/// Rows of a book as codes in a subspace, and their lengths.
 fn code_set(
     space: &Subspace,
     rows: usize,
     root_weights: &[f32],
     expand: &(dyn Fn(usize, &mut [f32]) + Sync),
 ) -> (CodeSet, Vec<f32>) {
-    let chunks: Vec<(Vec<f32>, Vec<f32>)> = (0..rows.div_ceil(CHUNK))
+    let mut set = CodeSet::new(space.dims + 1, 0);
+    let rows = rows_in(space, rows, root_weights, expand);
+    let lengths = rows.chunks_exact(space.dims + 1).map(|row| set.push(row, &[])).collect();
+    (set, lengths)
+}
+
+/// Rows of a book, weighted, in a subspace, with one more coordinate for what lies outside, so that
+/// they keep their lengths: `[row][dims + 1]`.
+fn rows_in(
+    space: &Subspace,
+    rows: usize,
+    root_weights: &[f32],
+    expand: &(dyn Fn(usize, &mut [f32]) + Sync),
+) -> Vec<f32> {
+    let chunks: Vec<Vec<f32>> = (0..rows.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let rows = chunk * CHUNK..rows.min((chunk + 1) * CHUNK);
@@ -484,22 +554,31 @@ fn code_set(
             }
             let mut projected = vec![0.0; rows.len() * space.dims];
             space.project_block(&values, &mut projected);
-            (projected, energies(&values, space.len))
+            let mut full = with_rest(&projected, space.dims);
+            let rows = full.chunks_exact_mut(space.dims + 1).zip(energies(&values, space.len));
+            for (row, energy) in rows {
+                let inside = dot(&row[..space.dims], &row[..space.dims]);
+                row[space.dims] = (energy - inside).max(0.0).sqrt();
+            }
+            full
         })
         .collect();
-    let mut set = CodeSet::new(space.dims + 1, 0);
-    let mut lengths = Vec::with_capacity(rows);
-    for (projected, energies) in chunks {
-        for (row, energy) in projected.chunks_exact(space.dims).zip(energies) {
-            let outside = (energy - dot(row, row)).max(0.0).sqrt();
-            let full: Vec<f32> = row.iter().copied().chain([outside]).collect();
-            lengths.push(set.push(&full, &[]));
-        }
-    }
-    (set, lengths)
+    chunks.concat()
+}
+
+/// Rows of a book as they are.
+fn rows_of(rows: usize, len: usize, expand: impl Fn(usize, &mut [f32])) -> Vec<f32> {
+    let mut values = vec![0.0; rows * len];
+    values.chunks_exact_mut(len).enumerate().for_each(|(row, out)| expand(row, out));
+    values
 }
 
 /// Vectors of a subspace with the coordinate for what lies outside, 0.
 fn with_rest(coefficients: &[f32], dims: usize) -> Vec<f32> {
     coefficients.chunks_exact(dims).flat_map(|v| v.iter().copied().chain([0.0])).collect()
+}
+
+/// The same without it.
+fn without_rest(vectors: &[f32], dims: usize) -> Vec<f32> {
+    vectors.chunks_exact(dims + 1).flat_map(|v| v[..dims].iter().copied()).collect()
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::colour::{to_ycbcr, to_yuv};
@@ -334,10 +334,10 @@ fn view_slots(lights: &[DVec3], common: &[DVec3], first: usize) -> Result<Vec<Sl
 
 /// `[light node][common light]` for an azimuth of the grid.
 fn light_matrix(grid: &AngularGrid, rbf: &DirectionRbf, phi: usize) -> Vec<f32> {
-    let (_, phi_v) = grid.view_angles(phi * grid.thetas);
+    let azimuth = DVec2::from_angle(grid.view_angles(phi * grid.thetas).1);
     let nodes = (0..grid.alphas).flat_map(|a| (0..grid.betas).map(move |b| (a, b)));
     let (one, other): (Vec<DVec3>, Vec<DVec3>) =
-        nodes.map(|(a, b)| grid.node_directions(a, b, phi_v).into()).unzip();
+        nodes.map(|(a, b)| grid.node_directions(a, b, azimuth).into()).unzip();
     let mean = (rbf.weights(&one) + rbf.weights(&other)) * faer::Scale(0.5);
     row_major(&mean)
 }

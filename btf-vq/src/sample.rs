@@ -6,15 +6,17 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use crate::{AngularGrid, Decoder, LpcaDecoder, Pair, Taps, ViewTaps};
+use crate::decode::ABREAST;
+use crate::{AngularGrid, Decoder, LpcaDecoder, Pair, ViewTaps};
 
 /// Directions to lights for one texel and view.
 #[derive(Clone, Debug)]
 pub struct LightSampler {
     grid: AngularGrid,
-    phi_v: f64,
+    /// Unit vector towards the view in the plane.
+    azimuth: DVec2,
     /// Luminance between the view's nodes, `[alpha][beta]`, 0 and above.
     luminance: Vec<f32>,
     /// Integral of each α node's slice over β, in nodes.
@@ -24,14 +26,14 @@ pub struct LightSampler {
 }
 
 impl LightSampler {
-    fn new(grid: AngularGrid, phi_v: f64, luminance: Vec<f32>) -> Self {
+    fn new(grid: AngularGrid, azimuth: DVec2, luminance: Vec<f32>) -> Self {
         let integral = |slice: &[f32]| -> f32 {
             slice.iter().zip(AngularGrid::trapezoid(grid.betas)).map(|(v, w)| v * w).sum()
         };
         let slices: Vec<f32> = luminance.chunks_exact(grid.betas).map(integral).collect();
         let total =
             slices.iter().zip(AngularGrid::trapezoid(grid.alphas)).map(|(s, w)| s * w).sum();
-        Self { grid, phi_v, luminance, slices, total }
+        Self { grid, azimuth, luminance, slices, total }
     }
 
     /// Whether there is nothing to follow.
@@ -60,10 +62,8 @@ impl LightSampler {
         let luminance = (1.0 - along) * value(beta) + along * value(next);
         #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let place = (alpha as f64 + f64::from(across), beta as f64 + f64::from(along));
-        let sides = self.grid.directions(place.0, place.1, self.phi_v);
-        // Where two directions share a place, digits that the inversion does not use choose.
-        let wi = sides[usize::from((u2 * 4096.0).fract() >= 0.5)];
-        (wi, f64::from(luminance / self.total) / self.grid.cell_solid_angle())
+        let sides = self.grid.directions(place.0, place.1, self.azimuth);
+        (sides[side(u2)], f64::from(luminance / self.total) / self.grid.cell_solid_angle())
     }
 
     /// The density, per steradian, with which [`LightSampler::sample`] gives a unit direction of the
@@ -75,7 +75,7 @@ impl LightSampler {
         if self.is_dark() {
             return wi.z / PI;
         }
-        let light = self.grid.light_taps(wi, self.phi_v);
+        let light = self.grid.light_taps(wi, self.azimuth);
         let mut sum = 0.0;
         for (alpha, w_alpha) in light.alpha.iter() {
             for (beta, w_beta) in light.beta.iter() {
@@ -89,6 +89,7 @@ impl LightSampler {
 /// Place in a piecewise linear density with values at `count` nodes and integral `total`, counted in
 /// nodes, as the node below and the part beyond it.
 #[expect(clippy::cast_possible_truncation, reason = "weights are f32")]
+#[inline]
 fn invert(value: impl Fn(usize) -> f32, count: usize, total: f32, u: f64) -> (usize, f32) {
     let mut wanted = u as f32 * total;
     let (mut at, mut low) = (0, value(0));
@@ -113,12 +114,12 @@ impl Decoder<'_> {
     ///
     /// If there is no such level.
     pub fn light_sampler(&self, level: usize, texel: usize, wo: DVec3) -> LightSampler {
-        let (view, phi_v) = self.grid().view_taps(wo);
+        let (view, azimuth) = self.grid().view_taps(wo);
         let mut luminance = vec![0.0; self.grid().slice_len()];
         for (node, weight) in view_nodes(&view, self.grid()) {
             self.add_view_luminance(level, texel, node, weight, &mut luminance);
         }
-        LightSampler::new(*self.grid(), phi_v, luminance)
+        LightSampler::new(*self.grid(), azimuth, luminance)
     }
 }
 
@@ -129,14 +130,14 @@ impl LpcaDecoder<'_> {
     ///
     /// If there is no such level or texel.
     pub fn light_sampler(&self, level: usize, texel: usize, wo: DVec3) -> LightSampler {
-        let (view, phi_v) = self.grid().view_taps(wo);
+        let (view, azimuth) = self.grid().view_taps(wo);
         let mut luminance = vec![0.0; self.grid().slice_len()];
         let mut one = luminance.clone();
         for (node, weight) in view_nodes(&view, self.grid()) {
             self.view_luminance(level, texel, node, &mut one);
             luminance.iter_mut().zip(&one).for_each(|(sum, v)| *sum += weight * v);
         }
-        LightSampler::new(*self.grid(), phi_v, luminance)
+        LightSampler::new(*self.grid(), azimuth, luminance)
     }
 }
 
@@ -148,8 +149,19 @@ fn view_nodes(view: &ViewTaps, grid: &AngularGrid) -> impl Iterator<Item = (usiz
         .filter(|(_, weight)| *weight > 0.0)
 }
 
-/// A light sampled for a texel at once: the direction, its density, and how the taps lie.
+/// A texel that wants a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightQuery {
+    /// Row-major, of the finest level.
+    pub texel: usize,
+    /// Unit view direction of the upper hemisphere.
+    pub wo: DVec3,
+    /// Two numbers in [0, 1).
+    pub u: [f64; 2],
+}
+
+/// A light sampled for a texel.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct SampledLight {
     /// Unit direction.
     pub wi: DVec3,
@@ -158,63 +170,109 @@ pub struct SampledLight {
 }
 
 impl Decoder<'_> {
-    /// One direction for a texel of the finest level, without tabulating its slice: for renderers that
-    /// draw one light a texel. The same distribution as [`Decoder::light_sampler`].
+    /// One direction for each of many texels of the finest level, without tabulating their slices: for
+    /// renderers that draw one light a texel. The same distribution as [`Decoder::light_sampler`].
     ///
     /// # Panics
     ///
-    /// If there are no levels.
-    pub fn sample_light(&self, texel: usize, wo: DVec3, u1: f64, u2: f64) -> SampledLight {
-        let (view, phi_v) = self.grid().view_taps(wo);
-        let Some((place, total)) = self.draw(texel, &view, u1, u2) else {
-            let (wi, density) = self.light_sampler(0, texel, wo).sample(u1, u2);
-            return SampledLight { wi, density };
-        };
-        let sides = self.grid().directions(place[0], place[1], phi_v);
-        let wi = sides[usize::from((u2 * 4096.0).fract() >= 0.5)];
-        let taps = Taps { view, light: self.grid().place_taps(place[0], place[1]) };
-        let luminance = self.luminance(texel, &taps);
-        SampledLight { wi, density: f64::from(luminance / total) / self.grid().cell_solid_angle() }
+    /// If there are no levels, or unless `out` is as long as `queries`.
+    pub fn sample_lights(&self, queries: &[LightQuery], out: &mut [SampledLight]) {
+        assert_eq!(queries.len(), out.len(), "a light for each query");
+        let (groups, rest) = queries.as_chunks::<ABREAST>();
+        let (out_groups, out_rest) = out.as_chunks_mut::<ABREAST>();
+        for (group, lights) in groups.iter().zip(out_groups) {
+            *lights = self.sample_abreast(group);
+        }
+        for (query, light) in rest.iter().zip(out_rest) {
+            [*light] = self.sample_abreast(&[*query]);
+        }
     }
 
-    /// Place between the light's nodes and the integral of the texel's luminance over them.
-    #[expect(clippy::cast_precision_loss, reason = "grids are small")]
-    fn draw(&self, texel: usize, view: &ViewTaps, u1: f64, u2: f64) -> Option<([f64; 2], f32)> {
-        let mut nodes = [(0, 0.0_f32); 4];
-        let mut total = 0.0;
-        let found = view_nodes(view, self.grid()).zip(&mut nodes);
-        for ((node, weight), slot) in found {
-            let (p2, scale) = self.view_slice(texel, node);
-            *slot = (p2, weight * scale * self.slice_mass(p2));
-            total += slot.1;
+    #[inline]
+    fn sample_abreast<const N: usize>(&self, queries: &[LightQuery; N]) -> [SampledLight; N] {
+        // Loops instead of maps of arrays, whose closures stay calls.
+        let mut taps = [(ViewTaps::default(), DVec2::X); N];
+        let mut texels = [0; N];
+        for ((query, taps), texel) in queries.iter().zip(&mut taps).zip(&mut texels) {
+            *taps = self.grid().view_taps(query.wo);
+            *texel = query.texel;
         }
-        if total.is_nan() || total <= 0.0 {
-            return None;
-        }
-        #[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
-        let mut wanted = u1 as f32 * total;
-        let mut chosen = nodes.iter().rposition(|n| n.1 > 0.0)?;
-        for (at, (_, mass)) in nodes.iter().enumerate() {
-            if wanted < *mass {
-                chosen = at;
-                break;
+        let nodes = self.view_slices(texels, taps.each_ref().map(|t| &t.0));
+        let mut masses = [[0.0; 4]; N];
+        for (nodes, masses) in nodes.iter().zip(&mut masses) {
+            for ((p2, weight), mass) in nodes.iter().zip(masses) {
+                *mass = weight * self.slice_mass(*p2);
             }
-            wanted -= mass;
         }
-        let (p2, mass) = nodes[chosen];
-        let u1 = f64::from((wanted / mass).clamp(0.0, 1.0 - f32::EPSILON));
-        let betas = self.grid().betas;
-        let (alpha, across) =
-            invert(|at| self.row_mass(p2, at), self.grid().alphas, self.slice_mass(p2), u1);
-        let rows = [self.p1_row(p2, alpha), self.p1_row(p2, alpha + 1)];
-        let value = |at: usize| {
-            let of = |row: (usize, f32)| row.1 * self.p1_value(row.0, at);
-            (1.0 - across) * of(rows[0]) + across * of(rows[1])
-        };
-        let row_mass =
-            (1.0 - across) * self.row_mass(p2, alpha) + across * self.row_mass(p2, alpha + 1);
-        let (beta, along) = invert(value, betas, row_mass, u2);
-        let place = [alpha as f64 + f64::from(across), beta as f64 + f64::from(along)];
-        Some((place, total))
+        let mut lights = [SampledLight::default(); N];
+        for (q, light) in lights.iter_mut().enumerate() {
+            *light = self.sample_view(&queries[q], taps[q].1, &nodes[q], &masses[q]);
+        }
+        lights
     }
+
+    /// One direction from rows of P2 around the view, what each counts, and their integrals.
+    fn sample_view(
+        &self,
+        query: &LightQuery,
+        azimuth: DVec2,
+        nodes: &[(usize, f32); 4],
+        masses: &[f32; 4],
+    ) -> SampledLight {
+        let [u1, u2] = query.u;
+        let total: f32 = masses.iter().sum();
+        if total.is_nan() || total <= 0.0 {
+            let (wi, density) = self.light_sampler(0, query.texel, query.wo).sample(u1, u2);
+            return SampledLight { wi, density };
+        }
+        let (node, u1) = choose(masses, total, u1);
+        let ([alpha, beta], [across, along]) = self.place_in_slice(nodes[node].0, u1, u2);
+        let luminance: f32 = nodes
+            .iter()
+            .map(|(p2, weight)| weight * self.slice_luminance(*p2, [alpha, beta], [across, along]))
+            .sum();
+        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
+        let place = (alpha as f64 + f64::from(across), beta as f64 + f64::from(along));
+        let sides = self.grid().directions(place.0, place.1, azimuth);
+        let wi = sides[side(u2)];
+        SampledLight { wi, density: f64::from(luminance / total) / self.cell_solid_angle }
+    }
+
+    /// Place in a row of P2 from two numbers in [0, 1): the node below and the part beyond it, along α
+    /// and β.
+    #[inline]
+    fn place_in_slice(&self, p2: usize, u1: f64, u2: f64) -> ([usize; 2], [f32; 2]) {
+        let grid = self.grid();
+        let (alpha, across) =
+            invert(|at| self.row_mass(p2, at), grid.alphas, self.slice_mass(p2), u1);
+        let [low, high] = self.p1_rows(p2, alpha);
+        let scales = [(1.0 - across) * low.1, across * high.1];
+        let mass = scales[0] * self.p1_mass(low.0) + scales[1] * self.p1_mass(high.0);
+        let value =
+            |at| scales[0] * self.p1_value(low.0, at) + scales[1] * self.p1_value(high.0, at);
+        let (beta, along) = invert(value, grid.betas, mass, u2);
+        ([alpha, beta], [across, along])
+    }
+}
+
+/// One of a few, by their masses, and the number left for what follows.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
+fn choose(masses: &[f32; 4], total: f32, u: f64) -> (usize, f64) {
+    let mut wanted = u as f32 * total;
+    let mut chosen = masses.iter().rposition(|mass| *mass > 0.0).unwrap_or(0);
+    for (at, mass) in masses.iter().enumerate() {
+        if wanted < *mass {
+            chosen = at;
+            break;
+        }
+        wanted -= mass;
+    }
+    (chosen, f64::from((wanted / masses[chosen]).clamp(0.0, 1.0 - f32::EPSILON)))
+}
+
+/// Which of two directions that share a place: digits that the inversion does not use choose.
+#[inline]
+fn side(u: f64) -> usize {
+    usize::from((u * 4096.0).fract() >= 0.5)
 }

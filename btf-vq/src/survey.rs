@@ -9,37 +9,10 @@ use rayon::prelude::*;
 use crate::colour::RGB_WEIGHTS;
 use crate::nearest::dot;
 use crate::subspace::Subspace;
-use crate::{AngularGrid, BtfSource, Encoding, Resampler, VqError};
+use crate::{AngularGrid, Encoding, TexelSet, VqError};
 
 /// Texels of the sample that are read together.
 const RUN: usize = 8;
-
-/// A set of texels that are compressed together.
-#[derive(Clone, Copy)]
-pub struct TexelSet<'a> {
-    /// Their values.
-    pub source: &'a dyn BtfSource,
-    /// How they come to the grid.
-    pub resampler: &'a Resampler,
-}
-
-impl std::fmt::Debug for TexelSet<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("TexelSet").field("resampler", &self.resampler).finish_non_exhaustive()
-    }
-}
-
-impl TexelSet<'_> {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.source.layout().texel_count()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
 
 /// Texels in a subspace of `[channel][node]`, where squared lengths weigh nodes as images read them
 /// and channels as RGB has them.
@@ -91,8 +64,7 @@ impl Survey {
     ) -> Result<Self, VqError> {
         check_alike(sets)?;
         let first = &sets[0];
-        let grid = *first.resampler.grid();
-        let encoding = first.source.layout().encoding;
+        let (grid, encoding) = (*first.grid(), first.encoding());
         let root_weights = root_weights(sets, encoding);
         let prepare = |values: &mut [f32]| prepare(values, encoding, &root_weights);
         let sample = sample(sets, params.sample, &prepare)?;
@@ -100,16 +72,15 @@ impl Survey {
         drop(sample);
         let (mut coefficients, mut energies, mut clamped) = (Vec::new(), Vec::new(), 0);
         for set in sets {
-            let (blocks, negative) =
-                set.resampler.map_blocks(set.source, 0..set.len(), |texels, values| {
-                    prepare(values);
-                    let mut projected = vec![0.0; texels.len() * space.dims];
-                    space.project_block(values, &mut projected);
-                    let energies: Vec<f32> =
-                        values.chunks_exact(space.len).map(|v| dot(v, v)).collect();
-                    progress(texels.len());
-                    (projected, energies)
-                })?;
+            let (blocks, negative) = set.map_blocks(0..set.len(), |texels, values| {
+                prepare(values);
+                let mut projected = vec![0.0; texels.len() * space.dims];
+                space.project_block(values, &mut projected);
+                let energies: Vec<f32> =
+                    values.chunks_exact(space.len).map(|v| dot(v, v)).collect();
+                progress(texels.len());
+                (projected, energies)
+            })?;
             clamped += negative;
             for (projected, energy) in blocks {
                 coefficients.extend(projected);
@@ -117,6 +88,11 @@ impl Survey {
             }
         }
         Ok(Self { grid, encoding, root_weights, space, coefficients, energies, clamped })
+    }
+
+    /// What values mean.
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
     }
 
     /// Texels of all sets.
@@ -152,20 +128,19 @@ impl Survey {
 }
 
 fn check_alike(sets: &[TexelSet<'_>]) -> Result<(), VqError> {
-    let (grid, encoding) = (sets[0].resampler.grid(), sets[0].source.layout().encoding);
+    let (grid, encoding) = (sets[0].grid(), sets[0].encoding());
     for set in sets {
-        let layout = set.source.layout();
-        if layout.encoding != encoding {
+        if set.encoding() != encoding {
             return Err(VqError::Mixed {
                 what: "encodings",
-                found: format!("{:?}", layout.encoding),
+                found: format!("{:?}", set.encoding()),
                 expected: format!("{encoding:?}"),
             });
         }
-        if set.resampler.grid() != grid {
+        if set.grid() != grid {
             return Err(VqError::Mixed {
                 what: "grids",
-                found: format!("{:?}", set.resampler.grid()),
+                found: format!("{:?}", set.grid()),
                 expected: format!("{grid:?}"),
             });
         }
@@ -175,9 +150,9 @@ fn check_alike(sets: &[TexelSet<'_>]) -> Result<(), VqError> {
 
 /// Mean weights of the sets' nodes, times those of channels, as roots.
 fn root_weights(sets: &[TexelSet<'_>], encoding: Encoding) -> Vec<f32> {
-    let mut nodes = vec![0.0; sets[0].resampler.grid().node_count()];
+    let mut nodes = vec![0.0; sets[0].grid().node_count()];
     for set in sets {
-        let weights = set.resampler.node_weights(set.source.layout());
+        let weights = set.node_weights();
         nodes.iter_mut().zip(weights).for_each(|(sum, w)| *sum += w / sets.len() as f32);
     }
     let channels = channel_weights(encoding);
@@ -229,7 +204,7 @@ fn sample(
             .map(|start| {
                 let texels = start..set.len().min(start + RUN);
                 let keep = |_, block: &mut [f32]| block.to_vec();
-                Ok(set.resampler.map_blocks(set.source, texels, keep)?.0.concat())
+                Ok(set.map_blocks(texels, keep)?.0.concat())
             })
             .collect();
         values.extend(read?.concat());

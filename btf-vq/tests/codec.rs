@@ -7,25 +7,28 @@ mod support;
 use std::sync::Arc;
 
 use btf_vq::{
-    AngularGrid, BookSizes, CodeSet, Encoding, IndexBook, LightParametrization, LpcaMaterial,
-    LpcaModel, Measure, PaperParams, Resampler, ScaleBits, Survey, SurveyParams, Taps, TexelSet,
-    VqError, VqModel, encode_paper, encode_refined, fit_lpca,
+    AngularGrid, BookSizes, Books, Chroma, CodeSet, Encoding, IndexBook, LightParametrization,
+    LpcaModel, Material, Measure, NodeTable, PaperParams, Resampler, ScaleBits, Survey,
+    SurveyParams, Taps, TexelSet, TextureInfo, VqError, VqModel, choose_sizes, colour,
+    encode_paper, encode_refined, fit_lpca,
 };
+use glam::DVec3;
 use proptest::prelude::*;
 use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
-use support::{Formula, material, resampler};
+use support::{Formula, empty, info, material, resampler};
 
 const SIZES: BookSizes = BookSizes { p4: 48, p3: 200, p2: 200, p1: 120, i2: 16, i1: 16, c: 8 };
 
 fn survey(source: &Formula, resampler: &Resampler) -> Survey {
-    let sets = [TexelSet { source, resampler }];
+    let sets = [TexelSet::Images { source, resampler }];
     Survey::of(&sets, SurveyParams { dims: 40, sample: 128 }, &|_| {}).unwrap()
 }
 
 fn refined(source: &Formula) -> VqModel {
     let resampler = resampler(source);
-    let encoded = encode_refined(&survey(source, &resampler), &SIZES);
+    let encoded =
+        encode_refined(&survey(source, &resampler), &SIZES, empty(source, Chroma::Relative));
     let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(source, texture)];
@@ -35,10 +38,11 @@ fn refined(source: &Formula) -> VqModel {
 
 fn paper(source: &Formula, measure: Measure) -> VqModel {
     let resampler = resampler(source);
-    let sets = [TexelSet { source, resampler: &resampler }];
+    let sets = [TexelSet::Images { source, resampler: &resampler }];
     // Small textures have few texels to learn from: 5 % of 256.
     let params = PaperParams { measure, budget: 0.2 };
-    let (mut books, textures) = encode_paper(&sets, &params, &|_| {}).unwrap();
+    let (mut books, textures) =
+        encode_paper(&sets, &params, empty(source, Chroma::Absolute), &|_| {}).unwrap();
     let mut materials: Vec<_> = textures.into_iter().map(|t| material(source, t)).collect();
     books.normalise(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::paper(Encoding::Srgb)).unwrap()
@@ -48,14 +52,12 @@ fn lpca(source: &Formula) -> LpcaModel {
     let resampler = resampler(source);
     let survey = survey(source, &resampler);
     let fit = fit_lpca(&survey, 400_000, 1).unwrap();
-    let material = LpcaMaterial {
-        name: "formula".to_owned(),
-        width: source.layout.width,
-        height: source.layout.height,
-        cosine_included: true,
-        levels: 1,
-    };
-    LpcaModel::pack(&survey, &fit, vec![material]).unwrap()
+    LpcaModel::pack(&survey, &fit, vec![info(source)]).unwrap()
+}
+
+/// Rows and scales of a texture.
+fn entries(texture: &IndexBook) -> impl Iterator<Item = (usize, f32)> {
+    texture.index.iter().zip(&texture.scale).map(|(row, scale)| (*row as usize, *scale))
 }
 
 /// Root mean squared error over all images.
@@ -137,7 +139,8 @@ fn packing_and_unpacking_loses_nothing_more() {
 fn slices_of_unpacked_books_have_unit_integrals() {
     let source = Formula::new(8, 0.2, Encoding::Srgb);
     let resampler = resampler(&source);
-    let encoded = encode_refined(&survey(&source, &resampler), &SIZES);
+    let encoded =
+        encode_refined(&survey(&source, &resampler), &SIZES, empty(&source, Chroma::Relative));
     let mut books = encoded.books;
     let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
     books.normalise(&mut [material(&source, texture)]);
@@ -162,17 +165,151 @@ fn images_runs_and_batches_are_single_texels() {
     vq.image(0, &taps, &mut image);
     let mut run = vec![[0.0; 3]; 64];
     vq.run(0, 0, &taps, &mut run);
-    let queries: Vec<(usize, Taps)> = (0..64).map(|texel| (texel, taps)).collect();
-    let mut batch = vec![[0.0; 3]; 64];
+    // Each texel with a light of its own, and some that make no whole group.
+    let lit = |texel: usize| Taps::new(vq.grid(), view.lights[texel % 81], view.wo);
+    let queries: Vec<(usize, Taps)> = (0..61).map(|texel| (texel, lit(texel))).collect();
+    let mut batch = vec![[0.0; 3]; 61];
     vq.batch(&queries, &mut batch);
+    for ((texel, taps), value) in queries.iter().zip(&batch) {
+        assert_eq!([*value], [vq.texel(0, *texel, taps)], "texel {texel}");
+    }
     let mut other = vec![[0.0; 3]; 64];
     lpca.image(0, &taps, &mut other);
     for texel in 0..64 {
         let one = vq.texel(0, texel, &taps);
-        assert_eq!([image[texel], run[texel], batch[texel]], [one; 3], "texel {texel}");
+        assert_eq!([image[texel], run[texel]], [one; 2], "texel {texel}");
         let one = lpca.texel(0, texel, &taps);
         for (a, b) in one.iter().zip(other[texel]) {
             assert!((a - b).abs() < 1e-4, "texel {texel}: {one:?} {:?}", other[texel]);
+        }
+    }
+}
+
+/// The first rows of a book are those of another.
+fn starts_with(book: &IndexBook, start: &IndexBook) -> bool {
+    book.index.starts_with(&start.index)
+}
+
+#[test]
+fn books_grow_without_changing_the_rows_they_have() {
+    let (first, second) =
+        (Formula::new(12, 0.2, Encoding::Srgb), Formula::new(8, 0.0, Encoding::Srgb));
+    let second_resampler = resampler(&second);
+    let sets = [TexelSet::Images { source: &second, resampler: &second_resampler }];
+
+    let (books, mut materials) = refined(&first).unpack();
+    let sizes = BookSizes { p4: 16, p3: 40, p2: 30, p1: 20, i2: 4, i1: 4, c: 4 };
+    let added = encode_refined(&survey(&second, &second_resampler), &sizes, books.clone());
+    let texture = IndexBook { len: 1, index: added.index, scale: added.scale };
+    assert!(starts_with(&added.books.p4, &books.p4) && starts_with(&added.books.m, &books.m));
+    assert!(starts_with(&added.books.p2, &books.p2) && starts_with(&added.books.i2, &books.i2));
+    assert!(added.books.p3.rows() <= books.p3.rows() + 40);
+    materials.push(material(&second, texture));
+    let mut grown = added.books;
+    grown.normalise(&mut materials);
+    let both = VqModel::pack(&grown, &materials, ScaleBits::refined()).unwrap();
+
+    let (books, mut materials) = paper(&first, Measure::Mse(0.001)).unpack();
+    let params = PaperParams { measure: Measure::Mse(0.001), budget: 0.2 };
+    let (mut grown, textures) = encode_paper(&sets, &params, books.clone(), &|_| {}).unwrap();
+    assert!(starts_with(&grown.p4, &books.p4) && starts_with(&grown.m, &books.m));
+    assert!(grown.p1.values.starts_with(&books.p1.values));
+    materials.extend(textures.into_iter().map(|texture| material(&second, texture)));
+    grown.normalise(&mut materials);
+    let published = VqModel::pack(&grown, &materials, ScaleBits::paper(Encoding::Srgb)).unwrap();
+
+    for (model, limits) in [(both, [0.036, 0.03]), (published, [0.1, 0.1])] {
+        for ((at, source), limit) in [&first, &second].into_iter().enumerate().zip(limits) {
+            let decoder = model.decoder(at).unwrap();
+            let error = rms(source, |texel, taps| decoder.texel(0, texel, taps));
+            assert!(error < limit, "texture {at}: {error}");
+        }
+    }
+}
+
+#[test]
+fn tabulated_brdfs_are_texels_too() {
+    let grid = AngularGrid { alphas: 23, betas: 23, thetas: 9, phis: 1, ..Default::default() };
+    let brdf = |colour: [f32; 3], power: f64| {
+        move |wi: DVec3, wo: DVec3| {
+            let shine = (wi + wo).normalize_or(DVec3::Z).z.max(0.0).powf(power);
+            #[expect(clippy::cast_possible_truncation, reason = "tables are f32")]
+            let (diffuse, shine) = (wi.z as f32, (wi.z * shine) as f32);
+            colour.map(|c| c * diffuse + shine)
+        }
+    };
+    let materials = [([0.5, 0.2, 0.1], 5.0), ([0.1, 0.2, 0.3], 12.0), ([0.3, 0.3, 0.3], 30.0)];
+    let mut table = NodeTable::new(grid).unwrap();
+    for (colour, power) in materials {
+        assert_eq!(table.push(brdf(colour, power)).unwrap(), 0);
+    }
+    assert!(table.push(|_, _| [f32::NAN; 3]).is_err());
+    assert_eq!(table.len(), 3);
+    let survey = Survey::of(&[TexelSet::Nodes(&table)], SurveyParams::default(), &|_| {}).unwrap();
+    let bits = ScaleBits::refined();
+    let sizes = choose_sizes(&survey, &bits, 100_000).unwrap();
+    let empty = Books::new(grid, Encoding::Linear, Chroma::Relative);
+    let encoded = encode_refined(&survey, &sizes, empty);
+    let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
+    let info = TextureInfo {
+        name: "three".to_owned(),
+        width: 3,
+        height: 1,
+        cosine_included: true,
+        levels: 1,
+    };
+    let mut materials_packed = [Material { info, levels: vec![texture] }];
+    let mut books = encoded.books;
+    books.normalise(&mut materials_packed);
+    let model = VqModel::pack(&books, &materials_packed, bits).unwrap();
+    let decoder = model.decoder(0).unwrap();
+    for (texel, (colour, power)) in materials.into_iter().enumerate() {
+        for (wi, wo) in support::directions().into_iter().zip(support::directions().split_off(30)) {
+            let value = decoder.texel(0, texel, &Taps::new(&grid, wi, wo));
+            let wanted = brdf(colour, power)(wi, wo);
+            for (value, wanted) in value.iter().zip(wanted) {
+                assert!((value - wanted).abs() < 0.03 + 0.08 * wanted, "{texel}: {value} {wanted}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_decoder_reads_what_the_books_say() {
+    for model in [
+        refined(&Formula::new(8, 0.2, Encoding::Srgb)),
+        paper(&Formula::new(8, 0.2, Encoding::Srgb), Measure::Mse(0.001)),
+        refined(&Formula::new(8, 0.1, Encoding::Linear)),
+    ] {
+        let (books, materials) = model.unpack();
+        let decoder = model.decoder(0).unwrap();
+        let nodes = books.grid.node_count();
+        let mut values = vec![0.0; 3 * nodes];
+        for (texel, (row, scale)) in entries(&materials[0].levels[0]).enumerate() {
+            books.expand_p4(row, &mut values);
+            let directions = support::directions();
+            let (wi, wo) = (directions[(7 * texel) % 81], directions[(11 * texel + 5) % 81]);
+            let taps = Taps::new(&books.grid, wi, wo);
+            let of = |channel: usize| -> f32 {
+                taps.nodes(&books.grid).iter().map(|(n, w)| w * values[channel * nodes + n]).sum()
+            };
+            let [y, a, b] = [of(0), of(1), of(2)];
+            let chroma = match (books.chroma, books.encoding) {
+                (Chroma::Absolute, _) => 1.0,
+                (Chroma::Relative, Encoding::Srgb) => scale,
+                (Chroma::Relative, Encoding::Linear) => {
+                    if y > 0.0 {
+                        y.recip()
+                    } else {
+                        1.0
+                    }
+                }
+            };
+            let wanted =
+                colour::from_luma_chroma(books.encoding, [y * scale, a * chroma, b * chroma]);
+            for (found, wanted) in decoder.texel(0, texel, &taps).iter().zip(wanted) {
+                assert!((found - wanted).abs() < 1e-5, "texel {texel}: {found} {wanted}");
+            }
         }
     }
 }

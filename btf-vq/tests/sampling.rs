@@ -5,20 +5,20 @@
 mod support;
 
 use btf_vq::{
-    BookSizes, Encoding, IndexBook, ScaleBits, Survey, SurveyParams, TexelSet, VqModel,
-    encode_refined,
+    BookSizes, Chroma, Encoding, IndexBook, LightQuery, SampledLight, ScaleBits, Survey,
+    SurveyParams, TexelSet, VqModel, encode_refined,
 };
 use glam::DVec3;
-use support::{Formula, material, resampler};
+use support::{Formula, empty, material, resampler};
 
 fn model() -> VqModel {
     let source = Formula::new(8, 0.4, Encoding::Srgb);
     let resampler = resampler(&source);
-    let sets = [TexelSet { source: &source, resampler: &resampler }];
+    let sets = [TexelSet::Images { source: &source, resampler: &resampler }];
     let params = SurveyParams { dims: 40, sample: 64 };
     let survey = Survey::of(&sets, params, &|_| {}).unwrap();
     let sizes = BookSizes { p4: 32, p3: 100, p2: 100, p1: 80, i2: 8, i1: 8, c: 8 };
-    let encoded = encode_refined(&survey, &sizes);
+    let encoded = encode_refined(&survey, &sizes, empty(&source, Chroma::Relative));
     let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(&source, texture)];
@@ -95,12 +95,14 @@ fn samples_follow_their_density_and_it_integrates_to_one() {
 
         let mut tabulated = vec![0.0; shares.len()];
         let mut mixed = vec![0.0; shares.len()];
-        for index in 0..COUNT {
-            let [u1, u2] = uniform(index);
+        let queries: Vec<LightQuery> =
+            (0..COUNT).map(|index| LightQuery { texel, wo, u: uniform(index) }).collect();
+        let mut lights = vec![SampledLight::default(); queries.len()];
+        decoder.sample_lights(&queries, &mut lights);
+        for (LightQuery { u: [u1, u2], .. }, drawn) in queries.into_iter().zip(lights) {
             let (wi, density) = sampler.sample(u1, u2);
             assert!((density - sampler.density(wi)).abs() < 1e-3 * (1.0 + density), "{wi}");
             tabulated[bin(wi)] += 1.0;
-            let drawn = decoder.sample_light(texel, wo, u1, u2);
             assert!(
                 (drawn.density - sampler.density(drawn.wi)).abs() < 1e-2 * (0.1 + drawn.density),
                 "texel {texel}: {drawn:?} {}",

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use btf_vq::{
-    AngularGrid, BtfLayout, BtfSource, Encoding, IndexBook, Material, Resampler, SourceError, View,
-    colour,
+    AngularGrid, Books, BtfLayout, BtfSource, Chroma, Encoding, IndexBook, Material, Resampler,
+    SourceError, TextureInfo, View, colour,
 };
 use glam::DVec3;
 
@@ -78,13 +78,23 @@ pub(crate) fn resampler(source: &Formula) -> Resampler {
     Resampler::new(&source.layout, AngularGrid::default()).unwrap()
 }
 
-/// One texture of one level.
-pub(crate) fn material(source: &Formula, texture: IndexBook) -> Material {
-    Material {
+/// No books yet.
+pub(crate) fn empty(source: &Formula, chroma: Chroma) -> Books {
+    Books::new(AngularGrid::default(), source.layout.encoding, chroma)
+}
+
+/// A texture of one level.
+pub(crate) fn info(source: &Formula) -> TextureInfo {
+    TextureInfo {
         name: "formula".to_owned(),
         width: source.layout.width,
         height: source.layout.height,
         cosine_included: true,
-        levels: vec![texture],
+        levels: 1,
     }
+}
+
+/// One texture of one level.
+pub(crate) fn material(source: &Formula, texture: IndexBook) -> Material {
+    Material { info: info(source), levels: vec![texture] }
 }

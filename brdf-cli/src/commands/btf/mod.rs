@@ -1,10 +1,14 @@
 //! `brdf btf`: bidirectional texture functions.
 
+mod add;
+mod brdfs;
 mod compare;
 mod compress;
 mod decompress;
+mod encoding;
 mod eval;
 mod info;
+mod inputs;
 mod loading;
 mod render;
 mod sample;
@@ -24,6 +28,7 @@ pub(super) enum Btf {
     Synth(synth::Synth),
     Info(info::Info),
     Compress(compress::Compress),
+    Add(add::Add),
     Compare(compare::Compare),
     Decompress(decompress::Decompress),
     Eval(eval::Eval),
@@ -37,6 +42,7 @@ impl Btf {
             Self::Synth(command) => command.run(out),
             Self::Info(command) => command.run(out),
             Self::Compress(command) => command.run(out),
+            Self::Add(command) => command.run(out),
             Self::Compare(command) => command.run(out),
             Self::Decompress(command) => command.run(out),
             Self::Eval(command) => command.run(out),

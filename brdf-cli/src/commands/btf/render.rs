@@ -133,13 +133,13 @@ impl Textured<'_> {
 impl SpatiallyVarying for Textured<'_> {
     fn reflect(&self, at: &TexturePoint, wo: DVec3, lights: &[DVec3], out: &mut [Rgb]) {
         let (level, texel) = self.place(at);
-        let (view, phi_v) = self.reader.grid().view_taps(wo);
+        let (view, azimuth) = self.reader.grid().view_taps(wo);
         for (value, &wi) in out.iter_mut().zip(lights) {
             if wi.z <= 0.0 || wo.z <= 0.0 {
                 *value = Rgb::BLACK;
                 continue;
             }
-            let taps = Taps { view, light: self.reader.grid().light_taps(wi, phi_v) };
+            let taps = Taps { view, light: self.reader.grid().light_taps(wi, azimuth) };
             let cosine = if self.cosine_included { 1.0 } else { wi.z };
             let radiance = self.reader.linear(level, texel, &taps);
             *value = Rgb::from(radiance.map(|v| f64::from(v) * cosine / PI));

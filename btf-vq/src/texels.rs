@@ -1,0 +1,206 @@
+//! What encoders compress: texels on a grid, resampled from images or tabulated there.
+
+use std::ops::Range;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::colour::{from_luma_chroma, to_luma_chroma};
+use crate::{AngularGrid, BtfSource, Encoding, Resampler, Taps, VqError};
+
+/// Texels without images: BRDFs, tabulated at the nodes of a grid.
+#[derive(Clone, Debug)]
+pub struct NodeTable {
+    grid: AngularGrid,
+    /// `[texel][channel][node]`, luminance and two chrominances of linear radiance.
+    values: Vec<f32>,
+}
+
+impl NodeTable {
+    /// No texels yet.
+    ///
+    /// # Errors
+    ///
+    /// [`VqError::Grid`].
+    pub fn new(grid: AngularGrid) -> Result<Self, VqError> {
+        grid.check()?;
+        Ok(Self { grid, values: Vec::new() })
+    }
+
+    /// Adds a texel by its linear radiance for unit directions `(wi, wo)`; negative values become 0.
+    /// Returns how many.
+    ///
+    /// # Errors
+    ///
+    /// [`VqError::NotFinite`].
+    pub fn push(
+        &mut self,
+        radiance: impl Fn(DVec3, DVec3) -> [f32; 3] + Sync,
+    ) -> Result<u64, VqError> {
+        let (grid, texel) = (self.grid, self.len());
+        let views: Vec<(Vec<[f32; 3]>, u64)> = (0..grid.view_count())
+            .into_par_iter()
+            .map(|view| {
+                let (theta, phi) = grid.view_angles(view);
+                let wo = brdf_param::spherical_direction(theta, phi);
+                let azimuth = DVec2::from_angle(phi);
+                let nodes = (0..grid.alphas).flat_map(|a| (0..grid.betas).map(move |b| (a, b)));
+                let mut clamped = 0;
+                let values = nodes.map(|(alpha, beta)| {
+                    let sides = grid.node_directions(alpha, beta, azimuth);
+                    let [one, other] = sides.map(|wi| radiance(wi, wo));
+                    let mean: [f32; 3] = std::array::from_fn(|c| 0.5 * (one[c] + other[c]));
+                    if mean.iter().any(|v| !v.is_finite()) {
+                        return Err(VqError::NotFinite { texel });
+                    }
+                    clamped += u64::from(mean.iter().any(|v| *v < 0.0));
+                    Ok(to_luma_chroma(Encoding::Linear, mean.map(|v| v.max(0.0))))
+                });
+                Ok((values.collect::<Result<_, _>>()?, clamped))
+            })
+            .collect::<Result<_, VqError>>()?;
+        let all = || views.iter().flat_map(|view| &view.0);
+        for channel in 0..3 {
+            self.values.extend(all().map(|value| value[channel]));
+        }
+        Ok(views.iter().map(|view| view.1).sum())
+    }
+
+    /// How many texels there are.
+    pub fn len(&self) -> usize {
+        self.values.len() / (3 * self.grid.node_count())
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Linear radiance of a texel between the nodes around `taps`: what compression cannot better.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such texel.
+    pub fn interpolate(&self, texel: usize, taps: &Taps) -> [f32; 3] {
+        let (values, nodes) = (self.texel(texel), self.grid.node_count());
+        let mut sum = [0.0; 3];
+        for (node, weight) in taps.nodes(&self.grid) {
+            let luma = weight * values[node];
+            sum[0] += luma;
+            sum[1] += luma * values[nodes + node];
+            sum[2] += luma * values[2 * nodes + node];
+        }
+        let [y, a, b] = sum;
+        if y > 0.0 { from_luma_chroma(Encoding::Linear, [y, a / y, b / y]) } else { [0.0; 3] }
+    }
+
+    fn texel(&self, texel: usize) -> &[f32] {
+        let len = 3 * self.grid.node_count();
+        &self.values[texel * len..][..len]
+    }
+}
+
+/// A set of texels that are compressed together.
+#[derive(Clone, Copy)]
+pub enum TexelSet<'a> {
+    /// Of images.
+    Images {
+        /// Their values.
+        source: &'a dyn BtfSource,
+        /// How they come to the grid.
+        resampler: &'a Resampler,
+    },
+    /// On the grid already.
+    Nodes(&'a NodeTable),
+}
+
+impl std::fmt::Debug for TexelSet<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TexelSet").field("grid", self.grid()).field("len", &self.len()).finish()
+    }
+}
+
+impl TexelSet<'_> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.width() * self.height()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &AngularGrid {
+        match self {
+            Self::Images { resampler, .. } => resampler.grid(),
+            Self::Nodes(table) => &table.grid,
+        }
+    }
+
+    /// What values mean.
+    pub fn encoding(&self) -> Encoding {
+        match self {
+            Self::Images { source, .. } => source.layout().encoding,
+            Self::Nodes(_) => Encoding::Linear,
+        }
+    }
+
+    /// Pairs of view and light without an image, whose values are interpolated.
+    pub fn filled(&self) -> usize {
+        match self {
+            Self::Images { resampler, .. } => resampler.filled(),
+            Self::Nodes(_) => 0,
+        }
+    }
+
+    /// Texels in a row.
+    pub(crate) fn width(&self) -> usize {
+        match self {
+            Self::Images { source, .. } => source.layout().width,
+            Self::Nodes(table) => table.len(),
+        }
+    }
+
+    /// Rows.
+    pub(crate) fn height(&self) -> usize {
+        match self {
+            Self::Images { source, .. } => source.layout().height,
+            Self::Nodes(_) => 1,
+        }
+    }
+
+    /// See [`Resampler::map_blocks`].
+    pub(crate) fn map_blocks<T: Send>(
+        &self,
+        texels: Range<usize>,
+        f: impl Fn(Range<usize>, &mut [f32]) -> T + Sync,
+    ) -> Result<(Vec<T>, u64), VqError> {
+        match self {
+            Self::Images { source, resampler } => resampler.map_blocks(*source, texels, f),
+            Self::Nodes(table) => {
+                let one = |texel| f(texel..texel + 1, &mut table.texel(texel).to_vec());
+                Ok((texels.into_par_iter().map(one).collect(), 0))
+            }
+        }
+    }
+
+    /// See [`Resampler::gather`].
+    pub(crate) fn gather(&self, texels: &[usize]) -> Result<Vec<f32>, VqError> {
+        match self {
+            Self::Images { source, resampler } => resampler.gather(*source, texels),
+            Self::Nodes(table) => {
+                Ok(texels.iter().flat_map(|texel| table.texel(*texel)).copied().collect())
+            }
+        }
+    }
+
+    /// How much each node counts, on average 1.
+    pub(crate) fn node_weights(&self) -> Vec<f32> {
+        match self {
+            Self::Images { source, resampler } => resampler.node_weights(source.layout()),
+            Self::Nodes(table) => vec![1.0; table.grid.node_count()],
+        }
+    }
+}
