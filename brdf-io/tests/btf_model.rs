@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use brdf_io::{BtfRecord, MappedFile, btf_model_to_bytes, parse_btf_model};
 use btf_vq::{
-    AngularGrid, Books, BtfModel, Chroma, Encoding, IndexBook, Material, ScaleBits, VqModel,
+    AngularGrid, Books, BtfModel, Chroma, Encoding, IndexBook, Material, ScaleBits, TextureInfo,
+    VqModel,
 };
 
 /// A model of 2 × 2 × 2 × 1 nodes and 2 × 2 texels.
@@ -26,16 +27,16 @@ fn model() -> BtfModel {
     books.p4.scale = vec![1.0, 0.7, 0.5];
     let index = vec![0, 2, 1, 2];
     let texture = IndexBook { len: 1, index, scale: vec![0.5, 0.6, 0.7, 0.8] };
-    let material = Material {
+    let info = TextureInfo {
         name: "tiny".to_owned(),
         width: 2,
         height: 2,
         cosine_included: true,
-        levels: vec![texture],
+        levels: 1,
     };
-    let mut materials = [material];
+    let mut materials = [Material { info, levels: vec![texture] }];
     books.normalise(&mut materials);
-    BtfModel::Vq(VqModel::pack(&books, &materials, ScaleBits::refined()).unwrap())
+    BtfModel::Vq(VqModel::pack(&books, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap())
 }
 
 fn written() -> Vec<u8> {

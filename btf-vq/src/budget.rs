@@ -25,8 +25,7 @@ pub fn stream_bytes(grid: &AngularGrid, rows: &Rows, bits: &ScaleBits, texels: u
 }
 
 /// How bytes are shared among P4, P3 with M, P2 and P1, of what is left after P6 and the colours.
-const SPLITS: [[f64; 4]; 3] =
-    [[0.38, 0.44, 0.14, 0.04], [0.46, 0.40, 0.11, 0.03], [0.28, 0.46, 0.21, 0.05]];
+const SPLITS: [[f64; 4]; 2] = [[0.38, 0.44, 0.14, 0.04], [0.46, 0.40, 0.11, 0.03]];
 /// The same for BRDFs, whose views are few and whose slices are fine: every view has a row as long as
 /// there is room, and lines along β take the rest.
 const BRDF_SPLIT: [f64; 4] = [1.0, 1.0, 0.2, 0.7];
@@ -138,7 +137,8 @@ impl BookSizes {
         Rows { p1, p2, c, i1, i2, m: m.max(1), p3, p4 }
     }
 
-    /// Books of a share of these sizes.
+    /// Books of a share of these sizes; as many colours, so that as many pairs of P2 and I2 differ among
+    /// so many views.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -152,7 +152,7 @@ impl BookSizes {
             p3: part(self.p3),
             p2: part(self.p2),
             p1: part(self.p1),
-            i2: part(self.i2),
+            i2: self.i2,
             i1: self.i1,
             c: self.c,
         }
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn sizes_fill_what_they_are_given() {
         let grid = AngularGrid::default();
-        let bits = ScaleBits::refined();
+        let bits = ScaleBits::refined(Encoding::Srgb);
         for bytes in [400_000_u64, 1_690_000, 5_000_000] {
             let room = Room { grid: &grid, bits: &bits, texels: 65_536, bytes };
             for split in &SPLITS {
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn brdfs_get_a_row_for_every_slice_where_there_is_room() {
         let grid = AngularGrid { alphas: 45, betas: 45, thetas: 35, phis: 1, ..Default::default() };
-        let bits = ScaleBits::refined();
+        let bits = ScaleBits::refined(Encoding::Srgb);
         let room = Room { grid: &grid, bits: &bits, texels: 60, bytes: 7_000_000 };
         let sizes = room.sizes(&BRDF_SPLIT, 1.0).unwrap();
         assert_eq!([sizes.p4, sizes.p3, sizes.p2, sizes.p1], [60, 60, 2100, 94_500]);

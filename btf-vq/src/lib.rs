@@ -25,6 +25,7 @@
 //!
 //! The container is plain safetensors: `docs/btf.md` of the project reads it with NumPy.
 
+pub mod baselines;
 mod bits;
 mod books;
 mod budget;

@@ -101,9 +101,13 @@ impl ScaleBits {
         Self { p1: 8, p2, p3: 8, p4: 8, p6: 8, always_log: false }
     }
 
-    /// Of refined books: 6 logarithmic bits lose 0.01 dB against 8, and leave room for more rows.
-    pub fn refined() -> Self {
-        Self { p1: 8, p2: 6, p3: 6, p4: 6, p6: 8, always_log: true }
+    /// Of refined books: 6 logarithmic bits lose 0.01 dB of sRGB against 8, and leave room for more rows;
+    /// linear radiance spans more.
+    pub fn refined(encoding: Encoding) -> Self {
+        match encoding {
+            Encoding::Srgb => Self { p1: 8, p2: 6, p3: 6, p4: 6, p6: 8, always_log: true },
+            Encoding::Linear => Self { p1: 8, p2: 10, p3: 10, p4: 10, p6: 12, always_log: true },
+        }
     }
 }
 

@@ -28,6 +28,9 @@ pub struct Quantiser {
 /// Ratio of the largest to the least value from which linear steps are too coarse for the small ones.
 const LINEAR_RANGE: f32 = 64.0;
 
+/// Least value of logarithmic steps over the largest.
+const LEAST_SHARE: f32 = 1e-5;
+
 impl Quantiser {
     /// Linear steps, as in the paper, or logarithmic ones where values differ by more than a factor of
     /// 64.
@@ -41,10 +44,11 @@ impl Quantiser {
         }
     }
 
-    /// Logarithmic steps.
+    /// Logarithmic steps over at most five decades below the largest value, so that a few tiny ones do
+    /// not make the others coarse.
     pub fn logarithmic(bits: u32, scales: &[f32]) -> Self {
         let (min, max) = range(scales.iter().copied().filter(|s| *s > 0.0));
-        Self { bits, law: Law::Log, min, max }
+        Self { bits, law: Law::Log, min: min.max(max * LEAST_SHARE), max }
     }
 
     /// Linear steps.
@@ -70,7 +74,8 @@ impl Quantiser {
             Law::Linear => ((value - self.min) / (self.max - self.min), 0),
             Law::Log => ((value / self.min).ln() / (self.max / self.min).ln(), 1),
         };
-        if self.law == Law::Log && value <= 0.0 {
+        // Below half of the least value 0 is nearer.
+        if self.law == Law::Log && value <= 0.5 * self.min {
             return 0;
         }
         let steps = (self.top() - first) as f32;

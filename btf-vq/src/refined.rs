@@ -57,7 +57,7 @@ pub struct Encoded {
 }
 
 /// Iterations at every level: a tradeoff of time, of which they take most.
-const ITERATIONS: usize = 5;
+const ITERATIONS: usize = 4;
 /// Dimensions in which 3D slices are compared; all of them where there are few slices.
 const SLICE_DIMS: usize = 48;
 const FEW_SLICES: usize = 128;
@@ -84,19 +84,18 @@ pub fn encode_refined(survey: &Survey, sizes: &BookSizes, mut books: Books) -> E
     let old = rows_in(&survey.space, books.p4.rows(), &survey.root_weights, &|row, out| {
         books.expand_p4(row, out);
     });
-    let texels = with_rest(&survey.coefficients, dims);
-    let texels = cluster_shapes(&texels, dims + 1, &texel_weights, &old, sizes.p4, ITERATIONS);
+    let texels = cluster_in(dims, &survey.coefficients, &texel_weights, &old, sizes.p4);
     let mut errors = LevelErrors { p4: texels.distortion, ..LevelErrors::default() };
-    let usage4 = usage(&texels, dims + 1, &texel_weights);
-    let codes = without_rest(&texels.codes, dims);
+    let usage4 = usage(&texels, dims, &texel_weights);
+    let codes = &texels.codes;
 
-    let slices = ThreeD::cluster(survey, &metric, &codes, &usage4, sizes.p3, &books);
+    let slices = ThreeD::cluster(survey, &metric, codes, &usage4, sizes.p3, &books);
     errors.p3 = slices.distortion;
     let two = TwoD::cluster(&metric, &slices, sizes, &books, &mut errors);
 
     two.build(&mut books);
     slices.build(&metric, &two, &mut books);
-    choose_p3(survey, &metric, &codes, &slices.space, &mut books);
+    choose_p3(survey, &metric, codes, &slices.space, &mut books);
     let matches = choose_p4(survey, &books);
     let left = survey.energies.iter().zip(&matches).zip(&texel_weights);
     errors.total = left.map(|((e, m), w)| f64::from(w * (e - m.score))).sum();
@@ -106,6 +105,24 @@ pub fn encode_refined(survey: &Survey, sizes: &BookSizes, mut books: Books) -> E
 
 fn narrow(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
+}
+
+/// Codes for vectors of a subspace beside old rows, which have one more coordinate ([`rows_in`]).
+fn cluster_in(
+    dims: usize,
+    coefficients: &[f32],
+    weights: &[f32],
+    old: &[f32],
+    count: usize,
+) -> Clusters {
+    if old.is_empty() {
+        return cluster_shapes(coefficients, dims, weights, old, count, ITERATIONS);
+    }
+    let vectors = with_rest(coefficients, dims);
+    let mut clusters = cluster_shapes(&vectors, dims + 1, weights, old, count, ITERATIONS);
+    let inside = clusters.codes.chunks_exact(dims + 1).flat_map(|code| &code[..dims]);
+    clusters.codes = inside.copied().collect();
+    clusters
 }
 
 /// Weighted energy that each code found stands for.
@@ -202,15 +219,14 @@ impl ThreeD {
         let old = rows_in(&space, books.p3.rows(), &metric.root3, &|row, out| {
             books.expand_p3(row, out);
         });
-        let slices = with_rest(&coefficients, space.dims);
-        let clusters = cluster_shapes(&slices, space.dims + 1, &weights, &old, count, ITERATIONS);
-        let mut centres = space.lift(&without_rest(&clusters.codes, space.dims));
+        let clusters = cluster_in(space.dims, &coefficients, &weights, &old, count);
+        let mut centres = space.lift(&clusters.codes);
         for centre in centres.chunks_exact_mut(len) {
             centre.iter_mut().zip(&metric.root3).for_each(|(v, r)| *v /= r);
             let luma = len / 3;
             centre[..luma].iter_mut().for_each(|v| *v = v.max(0.0));
         }
-        let usage = usage(&clusters, space.dims + 1, &weights);
+        let usage = usage(&clusters, space.dims, &weights);
         Self { space, distortion: clusters.distortion, centres, usage }
     }
 
@@ -402,9 +418,8 @@ fn luma_slices(
     let sample: Vec<f32> = slices.chunks_exact(len).step_by(step).flatten().copied().collect();
     let space = Subspace::of(&sample, len, dims);
     let old = rows_in(&space, books.p2.rows(), root2, &|row, out| books.expand_p2(row, out));
-    let short = with_rest(&space.project(slices), space.dims);
-    let mut luma = cluster_shapes(&short, space.dims + 1, weights, &old, count, ITERATIONS);
-    luma.codes = space.lift(&without_rest(&luma.codes, space.dims));
+    let mut luma = cluster_in(space.dims, &space.project(slices), weights, &old, count);
+    luma.codes = space.lift(&luma.codes);
     luma
 }
 
@@ -576,9 +591,4 @@ fn rows_of(rows: usize, len: usize, expand: impl Fn(usize, &mut [f32])) -> Vec<f
 /// Vectors of a subspace with the coordinate for what lies outside, 0.
 fn with_rest(coefficients: &[f32], dims: usize) -> Vec<f32> {
     coefficients.chunks_exact(dims).flat_map(|v| v.iter().copied().chain([0.0])).collect()
-}
-
-/// The same without it.
-fn without_rest(vectors: &[f32], dims: usize) -> Vec<f32> {
-    vectors.chunks_exact(dims + 1).flat_map(|v| v[..dims].iter().copied()).collect()
 }

@@ -27,8 +27,9 @@ impl NodeTable {
         Ok(Self { grid, values: Vec::new() })
     }
 
-    /// Adds a texel by its linear radiance for unit directions `(wi, wo)`; negative values become 0.
-    /// Returns how many.
+    /// Adds a texel by its linear radiance for unit directions `(wi, wo)`, averaged over lights between a
+    /// node and its neighbours, so that lobes narrower than the grid keep their energy; negative values
+    /// become 0. Returns how many.
     ///
     /// # Errors
     ///
@@ -46,10 +47,8 @@ impl NodeTable {
                 let azimuth = DVec2::from_angle(phi);
                 let nodes = (0..grid.alphas).flat_map(|a| (0..grid.betas).map(move |b| (a, b)));
                 let mut clamped = 0;
-                let values = nodes.map(|(alpha, beta)| {
-                    let sides = grid.node_directions(alpha, beta, azimuth);
-                    let [one, other] = sides.map(|wi| radiance(wi, wo));
-                    let mean: [f32; 3] = std::array::from_fn(|c| 0.5 * (one[c] + other[c]));
+                let values = nodes.map(|node| {
+                    let mean = node_mean(&grid, node, azimuth, &|wi| radiance(wi, wo));
                     if mean.iter().any(|v| !v.is_finite()) {
                         return Err(VqError::NotFinite { texel });
                     }
@@ -98,6 +97,33 @@ impl NodeTable {
         let len = 3 * self.grid.node_count();
         &self.values[texel * len..][..len]
     }
+}
+
+/// Mean about a node of the light grid, weighted as interpolation weighs the node.
+#[expect(clippy::cast_precision_loss, reason = "grids are small")]
+fn node_mean(
+    grid: &AngularGrid,
+    (alpha, beta): (usize, usize),
+    azimuth: DVec2,
+    radiance: &dyn Fn(DVec3) -> [f32; 3],
+) -> [f32; 3] {
+    const STEPS: [(f64, f32); 3] = [(-0.5, 0.25), (0.0, 0.5), (0.5, 0.25)];
+    let place = |node: usize, offset: f64, count: usize| {
+        (node as f64 + offset).clamp(0.0, (count - 1) as f64)
+    };
+    let mut sum = [0.0; 3];
+    for (across, w_alpha) in STEPS {
+        for (along, w_beta) in STEPS {
+            let place = (place(alpha, across, grid.alphas), place(beta, along, grid.betas));
+            let sides = grid.directions(place.0, place.1, azimuth);
+            let count = if sides[0] == sides[1] { 1 } else { 2 };
+            let weight = w_alpha * w_beta / count as f32;
+            for wi in &sides[..count] {
+                sum.iter_mut().zip(radiance(*wi)).for_each(|(s, v)| *s += weight * v);
+            }
+        }
+    }
+    sum
 }
 
 /// A set of texels that are compressed together.

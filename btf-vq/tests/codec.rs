@@ -33,7 +33,7 @@ fn refined(source: &Formula) -> VqModel {
     let mut books = encoded.books;
     let mut materials = [material(source, texture)];
     books.normalise(&mut materials);
-    VqModel::pack(&books, &materials, ScaleBits::refined()).unwrap()
+    VqModel::pack(&books, &materials, ScaleBits::refined(books.encoding)).unwrap()
 }
 
 fn paper(source: &Formula, measure: Measure) -> VqModel {
@@ -129,7 +129,7 @@ fn one_and_two_threads_give_the_same_bytes() {
 fn packing_and_unpacking_loses_nothing_more() {
     let model = refined(&Formula::new(8, 0.2, Encoding::Srgb));
     let (books, materials) = model.unpack();
-    let again = VqModel::pack(&books, &materials, ScaleBits::refined()).unwrap();
+    let again = VqModel::pack(&books, &materials, ScaleBits::refined(books.encoding)).unwrap();
     for at in 0..9 {
         assert!(model.stream(at) == again.stream(at), "stream {at}");
     }
@@ -207,7 +207,7 @@ fn books_grow_without_changing_the_rows_they_have() {
     materials.push(material(&second, texture));
     let mut grown = added.books;
     grown.normalise(&mut materials);
-    let both = VqModel::pack(&grown, &materials, ScaleBits::refined()).unwrap();
+    let both = VqModel::pack(&grown, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap();
 
     let (books, mut materials) = paper(&first, Measure::Mse(0.001)).unpack();
     let params = PaperParams { measure: Measure::Mse(0.001), budget: 0.2 };
@@ -246,7 +246,7 @@ fn tabulated_brdfs_are_texels_too() {
     assert!(table.push(|_, _| [f32::NAN; 3]).is_err());
     assert_eq!(table.len(), 3);
     let survey = Survey::of(&[TexelSet::Nodes(&table)], SurveyParams::default(), &|_| {}).unwrap();
-    let bits = ScaleBits::refined();
+    let bits = ScaleBits::refined(Encoding::Linear);
     let sizes = choose_sizes(&survey, &bits, 100_000).unwrap();
     let empty = Books::new(grid, Encoding::Linear, Chroma::Relative);
     let encoded = encode_refined(&survey, &sizes, empty);

@@ -23,7 +23,7 @@ fn model() -> VqModel {
     let mut books = encoded.books;
     let mut materials = [material(&source, texture)];
     books.normalise(&mut materials);
-    VqModel::pack(&books, &materials, ScaleBits::refined()).unwrap()
+    VqModel::pack(&books, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap()
 }
 
 /// Bins of equal solid angle: rings of cos θ, sectors of φ.

@@ -18,10 +18,10 @@ pub struct LocalPca {
     dims: usize,
     pub(super) components: usize,
     /// `[cluster][1 + component][dim]`: the mean, then orthonormal directions.
-    pub(super) spaces: Vec<f32>,
-    pub(super) cluster: Vec<u32>,
+    pub(crate) spaces: Vec<f32>,
+    pub(crate) cluster: Vec<u32>,
     /// `[texel][component]`.
-    pub(super) coefficients: Vec<f32>,
+    pub(crate) coefficients: Vec<f32>,
     /// Sum of squared errors in the metric of the survey, before anything is quantised.
     pub error: f64,
 }

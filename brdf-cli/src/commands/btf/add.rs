@@ -64,6 +64,7 @@ impl Add {
         };
         let (books, materials) = model.unpack();
         let mode = if file.made.mode == "paper" { ModeArg::Paper } else { ModeArg::Refined };
+        self.sizes.check(mode)?;
         let inputs = Inputs::open(&self.inputs, books.grid.into(), self.mipmaps, self.memory)?;
         if let Some(name) = materials
             .iter()

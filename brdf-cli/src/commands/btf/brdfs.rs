@@ -46,13 +46,11 @@ pub(super) fn tabulate(table: &mut NodeTable, brdf: &dyn Brdf) -> anyhow::Result
         without_data.fetch_add(u64::from(!brdf.covers(&pair)), Ordering::Relaxed);
         brdf.eval_signed(&pair).channels().map(|f| narrow(f * PI * wi.z))
     })?;
-    // Both sides of a node are the same direction.
-    let without_data = without_data.into_inner() / 2;
-    let note = match (clamped, without_data) {
+    let note = match (clamped, without_data.into_inner()) {
         (0, 0) => None,
         (clamped, 0) => Some(format!("{clamped} negative nodes set to 0")),
         (clamped, holes) => {
-            Some(format!("{holes} nodes without data, {clamped} negative ones set to 0"))
+            Some(format!("{holes} pairs without data, {clamped} negative nodes set to 0"))
         }
     };
     Ok(note)

@@ -4,17 +4,17 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{anyhow, bail};
+use anyhow::bail;
 use brdf_io::{Btf, open_btf_model};
 use brdf_model::{Channels, cosine_rms};
-use brdf_render::SsimWorkspace;
-use btf_vq::colour::{from_luma_chroma, linear_to_srgb};
-use btf_vq::{BLOCK, BtfReader, BtfSource, Encoding, NodeTable, Resampler, Taps};
+use btf_vq::colour::from_luma_chroma;
+use btf_vq::{BLOCK, BtfReader, BtfSource, NodeTable, Resampler, Taps};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::brdfs::{RAW_BYTES, RadianceBrdf, is_brdf, open_brdfs, tabulate, texture_name};
+use super::fidelity::{Fidelity, all_taps, compare, to_byte, to_bytes};
 use super::loading::{MemoryArgs, ModelArgs, OpenModel, load};
 use crate::numbers::{bytes, significant};
 use crate::progress::Progress;
@@ -48,13 +48,6 @@ pub(in crate::commands) struct Compare {
     /// Print JSON
     #[arg(long)]
     json: bool,
-}
-
-/// How near images are.
-#[derive(Clone, Copy, Debug, serde::Serialize)]
-struct Fidelity {
-    psnr: f64,
-    mssim: f64,
 }
 
 /// How near a BRDF is, over both hemispheres, weighted by the light's cosine.
@@ -94,17 +87,15 @@ impl Compare {
                 self.input.display()
             );
         }
-        let taps = all_taps(&source, &reader);
+        let taps = all_taps(&source, reader.grid());
         let progress = Progress::new(if self.no_floor { 1 } else { 3 } * taps.len() as u64);
         progress.step("comparing");
         let decoded = |at: usize, rgb: &mut [u8]| {
             let mut image = vec![[0.0; 3]; layout.texel_count()];
             reader.image(0, &taps[at], &mut image);
-            for (target, value) in rgb.as_chunks_mut::<3>().0.iter_mut().zip(image) {
-                *target = value.map(|v| to_byte(v, reader.encoding()));
-            }
+            to_bytes(&image, reader.encoding(), rgb);
         };
-        let fidelity = compare(&source, &decoded, &progress)?;
+        let fidelity = compare(&source, 1, &decoded, &progress)?;
         let floor = if self.no_floor {
             None
         } else {
@@ -231,58 +222,6 @@ impl Compare {
     }
 }
 
-/// Where the directions of every image lie.
-fn all_taps(source: &Btf, reader: &BtfReader<'_>) -> Vec<Taps> {
-    let views = source.layout().views.iter();
-    views.flat_map(|view| view.lights.iter().map(|wi| reader.taps(*wi, view.wo))).collect()
-}
-
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
-fn to_byte(value: f32, encoding: Encoding) -> u8 {
-    let encoded = match encoding {
-        Encoding::Srgb => value,
-        Encoding::Linear => linear_to_srgb(value.max(0.0)),
-    };
-    (encoded * 255.0).round().clamp(0.0, 255.0) as u8
-}
-
-/// Compares all images of a source with others, 8-bit RGB, that `decode` makes.
-fn compare(
-    source: &Btf,
-    decode: &(dyn Fn(usize, &mut [u8]) + Sync),
-    progress: &Progress,
-) -> anyhow::Result<Fidelity> {
-    let layout = source.layout();
-    let (images, values) = (layout.image_count(), 3 * layout.texel_count());
-    let start = || {
-        let ssim = SsimWorkspace::new(layout.width, layout.height);
-        (ssim, vec![0.0_f32; values], vec![0_u8; values], vec![0_u8; values])
-    };
-    let each: Result<Vec<(u64, f64)>, btf_vq::SourceError> = (0..images)
-        .into_par_iter()
-        .map_init(start, |(ssim, wide, reference, other), at| {
-            source.read_image(at, wide)?;
-            for (byte, v) in reference.iter_mut().zip(&*wide) {
-                *byte = to_byte(*v, layout.encoding);
-            }
-            decode(at, other);
-            let squares =
-                reference.iter().zip(&*other).map(|(a, b)| u64::from(a.abs_diff(*b)).pow(2));
-            let squares = squares.sum();
-            progress.done(1);
-            Ok((squares, ssim.mean_ssim(reference, other)))
-        })
-        .collect();
-    let each = each.map_err(|e| anyhow!(e))?;
-    let squares: u64 = each.iter().map(|e| e.0).sum();
-    #[expect(clippy::cast_precision_loss, reason = "means")]
-    let (mse, mssim) = (
-        squares as f64 / (values * images) as f64,
-        each.iter().map(|e| e.1).sum::<f64>() / images as f64,
-    );
-    Ok(Fidelity { psnr: 10.0 * (255.0 * 255.0 / mse).log10(), mssim })
-}
-
 /// The same of texels that were resampled and not compressed.
 fn floor(
     source: &Btf,
@@ -321,5 +260,5 @@ fn floor(
             target.copy_from_slice(&block[at * len..][..len]);
         }
     };
-    compare(source, &decoded, progress)
+    compare(source, 1, &decoded, progress)
 }

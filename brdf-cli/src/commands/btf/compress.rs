@@ -95,6 +95,7 @@ fn nodes(text: &str) -> Result<Nodes, String> {
 impl Compress {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
+        self.sizes.check(self.mode)?;
         let grid = GridChoice {
             nodes: self.grid.map(|nodes| nodes.0),
             parametrization: self.parametrization.into(),

@@ -42,6 +42,19 @@ pub(super) struct SizeArgs {
     budget: f64,
 }
 
+impl SizeArgs {
+    /// Refuses options of other modes.
+    pub(super) fn check(&self, mode: ModeArg) -> anyhow::Result<()> {
+        if mode == ModeArg::Paper && self.ratio.is_some() {
+            return Err(usage("--ratio: the paper's mode takes --epsilon and --budget"));
+        }
+        if mode != ModeArg::Paper && (self.epsilon.is_some() || self.measure.is_some()) {
+            return Err(usage("--epsilon and --measure belong to --mode paper"));
+        }
+        Ok(())
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum ModeArg {
     /// Centres of clusters, sizes for a ratio
@@ -125,20 +138,7 @@ impl Job<'_> {
         made.report(output, file.len(), start.elapsed().as_secs_f64(), is_json, out)
     }
 
-    /// Refuses options of other modes.
-    fn check(&self) -> anyhow::Result<()> {
-        let SizeArgs { ratio, measure, epsilon, .. } = self.sizes;
-        if self.mode == ModeArg::Paper && ratio.is_some() {
-            return Err(usage("--ratio: the paper's mode takes --epsilon and --budget"));
-        }
-        if self.mode != ModeArg::Paper && (epsilon.is_some() || measure.is_some()) {
-            return Err(usage("--epsilon and --measure belong to --mode paper"));
-        }
-        Ok(())
-    }
-
     fn make(&self) -> anyhow::Result<Made> {
-        self.check()?;
         self.inputs.with_sets(|sets| {
             let (model, notes) = match self.mode {
                 ModeArg::Refined => self.refined(sets)?,
@@ -250,7 +250,7 @@ impl Job<'_> {
         let texels = self.inputs.texels() as u64;
         let progress = Progress::new(3 * texels);
         let (survey, notes) = self.survey(sets, &progress)?;
-        let bits = ScaleBits::refined();
+        let bits = ScaleBits::refined(survey.encoding());
         progress.step("choosing sizes");
         let sizes = choose_sizes(&survey, &bits, self.target())?;
         progress.step("building books");

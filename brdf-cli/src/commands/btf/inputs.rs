@@ -123,6 +123,14 @@ impl Inputs {
         Ok(Self { infos, raw_bytes, grid, data: Data::Brdfs(table) })
     }
 
+    /// The only input, if it is images.
+    pub(super) fn only_images(&self) -> Option<&Btf> {
+        match &self.data {
+            Data::Images(sources) => sources.first().filter(|_| sources.len() == 1),
+            Data::Brdfs(_) => None,
+        }
+    }
+
     /// Texels of all levels.
     pub(super) fn texels(&self) -> usize {
         self.infos.iter().flat_map(TextureInfo::level_lens).sum()

@@ -7,11 +7,13 @@ mod compress;
 mod decompress;
 mod encoding;
 mod eval;
+mod fidelity;
 mod info;
 mod inputs;
 mod loading;
 mod render;
 mod sample;
+mod study;
 mod synth;
 
 use std::io::Write;
@@ -34,6 +36,7 @@ pub(super) enum Btf {
     Eval(eval::Eval),
     Sample(sample::Sample),
     Render(render::Render),
+    Study(study::Study),
 }
 
 impl Btf {
@@ -48,6 +51,7 @@ impl Btf {
             Self::Eval(command) => command.run(out),
             Self::Sample(command) => command.run(out),
             Self::Render(command) => command.run(out),
+            Self::Study(command) => command.run(out),
         }
     }
 }
