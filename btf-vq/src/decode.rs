@@ -122,7 +122,7 @@ struct Branch {
 
 /// Rows of P1 and I1, and the scale of the former.
 #[derive(Clone, Copy, Debug, Default)]
-struct Line2 {
+struct LineRows {
     p1: usize,
     scale: f32,
     i1: usize,
@@ -297,13 +297,13 @@ impl Decoder<'_> {
                 *slice = self.merged(view.row);
             }
         }
-        let mut lines = [[[Line2::default(); 2]; 4]; N];
+        let mut lines = [[[LineRows::default(); 2]; 4]; N];
         for ((slices, taps), lines) in slices.iter().zip(taps).zip(&mut lines) {
             for ((p2, i2), lines) in slices.iter().zip(lines) {
                 let alpha = taps.light.alpha.at[0];
                 let (p1, i1) = (self.p2.pair(*p2, alpha), self.i2.pair(*i2, alpha));
                 for i in 0..2 {
-                    lines[i] = Line2 { p1: p1[i].0, scale: p1[i].1, i1: i1[i] };
+                    lines[i] = LineRows { p1: p1[i].0, scale: p1[i].1, i1: i1[i] };
                 }
             }
         }
@@ -349,7 +349,7 @@ impl Decoder<'_> {
 
     /// Luminance and chrominances along β.
     #[inline(always)] // left to the compiler it stays a call
-    fn line(&self, line: &Line2, beta: &Pair) -> [f32; 3] {
+    fn line(&self, line: &LineRows, beta: &Pair) -> [f32; 3] {
         let values = self.p1.pair(line.p1, beta.at[0]);
         let colours = self.i1.pair(line.i1, beta.at[0]);
         let mut sum = [0.0; 3];

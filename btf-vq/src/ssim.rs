@@ -16,13 +16,16 @@ pub(crate) struct SliceSsim {
     rows: usize,
     columns: usize,
     maps: [Vec<f32>; 5],
-    row: Vec<f32>,
+    scratch: Vec<f32>,
+    /// A row with what the window sees beyond its ends.
+    padded: Vec<f32>,
 }
 
 impl SliceSsim {
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let map = vec![0.0; rows * columns];
-        Self { rows, columns, maps: std::array::from_fn(|_| map.clone()), row: map }
+        let padded = vec![0.0; columns + 2 * RADIUS];
+        Self { rows, columns, maps: std::array::from_fn(|_| map.clone()), scratch: map, padded }
     }
 
     /// Adds 1 − SSIM at every node of every slice of `a` and `b`, values around [0, 1] after
@@ -42,7 +45,7 @@ impl SliceSsim {
                 self.maps.iter_mut().zip(products).for_each(|(map, v)| map[i] = v);
             }
             for map in &mut self.maps {
-                box_filter(map, &mut self.row, self.rows, self.columns);
+                box_filter(map, &mut self.padded, &mut self.scratch, self.rows, self.columns);
             }
             let [ma, mb, aa, bb, ab] = &self.maps;
             out.extend((0..len).map(|i| {
@@ -56,14 +59,24 @@ impl SliceSsim {
 }
 
 /// Means over the window, in place.
-fn box_filter(map: &mut [f32], scratch: &mut [f32], rows: usize, columns: usize) {
+fn box_filter(
+    map: &mut [f32],
+    padded: &mut [f32],
+    scratch: &mut [f32],
+    rows: usize,
+    columns: usize,
+) {
     let width = 2 * RADIUS + 1;
     #[expect(clippy::cast_precision_loss, reason = "a few nodes")]
     let share = 1.0 / width as f32;
     for (target, source) in scratch.chunks_exact_mut(columns).zip(map.chunks_exact(columns)) {
-        for (i, value) in target.iter_mut().enumerate() {
-            let sum: f32 = (0..width).map(|k| source[mirrored(i + k, columns)]).sum();
-            *value = share * sum;
+        padded[RADIUS..RADIUS + columns].copy_from_slice(source);
+        for i in 0..RADIUS {
+            padded[i] = source[mirrored(i, columns)];
+            padded[RADIUS + columns + i] = source[mirrored(RADIUS + columns + i, columns)];
+        }
+        for (value, window) in target.iter_mut().zip(padded.array_windows::<{ 2 * RADIUS + 1 }>()) {
+            *value = share * window.iter().sum::<f32>();
         }
     }
     if rows == 1 {
