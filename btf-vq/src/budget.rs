@@ -1,7 +1,7 @@
 //! Sizes of the refined books for a number of bytes.
 
 use crate::bits::{index_bits, packed_len};
-use crate::model::{Rows, ScaleBits};
+use crate::model::{Rows, ScaleBits, VALUE_BITS};
 use crate::refined::{BookSizes, encode_refined};
 use crate::survey::Survey;
 use crate::{AngularGrid, Books, Chroma, VqError};
@@ -11,9 +11,9 @@ use crate::{AngularGrid, Books, Chroma, VqError};
 pub fn stream_bytes(grid: &AngularGrid, rows: &Rows, bits: &ScaleBits, texels: usize) -> u64 {
     let scaled = |rows, len, target, scale| (rows * len, index_bits(target) + scale);
     let streams = [
-        (rows.p1 * grid.betas, bits.p1),
+        (rows.p1 * grid.betas, VALUE_BITS),
         scaled(rows.p2, grid.alphas, rows.p1, bits.p2),
-        (rows.c * 2, 8),
+        (rows.c * 2, VALUE_BITS),
         scaled(rows.i1, grid.betas, rows.c, 0),
         scaled(rows.i2, grid.alphas, rows.i1, 0),
         (rows.m, index_bits(rows.p2) + index_bits(rows.i2)),

@@ -94,13 +94,7 @@ struct PlainBook<'a> {
     len: usize,
 }
 
-impl<'a> PlainBook<'a> {
-    #[inline]
-    #[expect(clippy::cast_possible_truncation, reason = "entries hold an index")]
-    fn get(&self, row: usize, at: usize) -> usize {
-        self.entries.get(row * self.len + at) as usize
-    }
-
+impl PlainBook<'_> {
     /// Two codes of a row, `at` and the next.
     #[inline]
     #[expect(clippy::cast_possible_truncation, reason = "entries hold an index")]
@@ -143,7 +137,8 @@ pub struct Decoder<'a> {
     encoding: Encoding,
     chroma: Chroma,
     rows: usize,
-    p1: PlainBook<'a>,
+    /// Codes of P1, a byte each.
+    p1: &'a [u8],
     /// Values of P1's codes.
     p1_values: Vec<f32>,
     p2: ScaledBook<'a>,
@@ -159,8 +154,8 @@ pub struct Decoder<'a> {
     /// Integral of each row of P1 over β, and of each row of P2 over both, in nodes.
     p1_mass: Vec<f32>,
     p2_mass: Vec<f32>,
-    /// Of the grid, sr.
-    pub(crate) cell_solid_angle: f64,
+    /// Rectangles between nodes of the light grid.
+    pub(crate) cells_per_steradian: f64,
 }
 
 impl VqModel {
@@ -188,7 +183,7 @@ impl VqModel {
             encoding: header.encoding,
             chroma: header.chroma,
             rows: rows.p4,
-            p1: plain(0, grid.betas, header.p1.bits),
+            p1: self.stream(0),
             p1_values: header.p1.table(),
             p2: ScaledBook::new(self.stream(1), grid.alphas, rows.p1, &header.p2),
             colours: colours
@@ -203,7 +198,7 @@ impl VqModel {
             levels: levels.collect(),
             p1_mass: Vec::new(),
             p2_mass: Vec::new(),
-            cell_solid_angle: grid.cell_solid_angle(),
+            cells_per_steradian: grid.cell_solid_angle().recip(),
         };
         decoder.p1_mass = (0..rows.p1)
             .map(|row| {
@@ -248,7 +243,8 @@ impl Decoder<'_> {
     ///
     /// # Panics
     ///
-    /// If there is no such level. Texels past the end give some other texel's value.
+    /// If there is no such level, or taps are of a larger grid. Texels past the end give some other
+    /// texel's value.
     #[inline]
     pub fn texel(&self, level: usize, texel: usize, taps: &Taps) -> [f32; 3] {
         let [value] = self.texels(level, [texel], [taps]);
@@ -350,11 +346,11 @@ impl Decoder<'_> {
     /// Luminance and chrominances along β.
     #[inline(always)] // left to the compiler it stays a call
     fn line(&self, line: &LineRows, beta: &Pair) -> [f32; 3] {
-        let values = self.p1.pair(line.p1, beta.at[0]);
+        let values = self.p1_pair(line.p1, beta.at[0]);
         let colours = self.i1.pair(line.i1, beta.at[0]);
         let mut sum = [0.0; 3];
         for i in 0..2 {
-            let luma = beta.weight[i] * line.scale * self.p1_values[values[i]];
+            let luma = beta.weight[i] * line.scale * values[i];
             let chroma = if self.chroma == Chroma::Relative { luma } else { beta.weight[i] };
             let [a, b] = self.colours[colours[i]];
             sum[0] += luma;
@@ -372,10 +368,17 @@ impl Decoder<'_> {
         ((entry & ((1 << self.m_low_bits) - 1)) as usize, (entry >> self.m_low_bits) as usize)
     }
 
+    /// Two values of a row of P1, at a β and the next.
+    #[inline]
+    fn p1_pair(&self, row: usize, beta: usize) -> [f32; 2] {
+        let codes = &self.p1[row * self.grid.betas + beta..][..2];
+        [self.p1_values[usize::from(codes[0])], self.p1_values[usize::from(codes[1])]]
+    }
+
     /// A value of a row of P1.
     #[inline]
     pub(crate) fn p1_value(&self, row: usize, beta: usize) -> f32 {
-        self.p1_values[self.p1.get(row, beta)]
+        self.p1_values[usize::from(self.p1[row * self.grid.betas + beta])]
     }
 
     /// Integral over β of a row of P1.
@@ -433,7 +436,7 @@ impl Decoder<'_> {
         [across, along]: [f32; 2],
     ) -> f32 {
         let lines = self.p2.pair(p2, alpha).map(|(p1, scale)| {
-            let [low, high] = self.p1.pair(p1, beta).map(|code| self.p1_values[code]);
+            let [low, high] = self.p1_pair(p1, beta);
             scale * ((1.0 - along) * low + along * high)
         });
         (1.0 - across) * lines[0] + across * lines[1]

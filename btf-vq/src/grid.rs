@@ -211,7 +211,9 @@ impl AngularGrid {
         let (lowest, range) = self.alpha_range();
         #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let steps = ((self.alphas - 1) as f64, (self.betas - 1) as f64);
-        let (sin_alpha, cos_alpha) = (lowest + range * alpha / steps.0).sin_cos();
+        // α never leaves the half circle on which its cosine is positive.
+        let sin_alpha = (lowest + range * alpha / steps.0).sin();
+        let cos_alpha = (1.0 - sin_alpha * sin_alpha).max(0.0).sqrt();
         let sin_beta = -1.0 + 2.0 * beta / steps.1;
         let cos_beta = (1.0 - sin_beta * sin_beta).max(0.0).sqrt();
         let z = (cos_alpha * cos_beta).max(0.0);
@@ -237,7 +239,7 @@ impl AngularGrid {
         let planar = wo.truncate();
         let radius = planar.length();
         // At the normal the azimuth is any; 0 keeps it the same for all.
-        let azimuth = if radius < 1e-12 { DVec2::X } else { planar / radius };
+        let azimuth = if radius < 1e-12 { DVec2::X } else { planar * radius.recip() };
         let theta = fast_atan2(radius as f32, wo.z.max(0.0) as f32);
         let phi = fast_atan2(azimuth.y as f32, azimuth.x as f32);
         let taps = ViewTaps {

@@ -77,11 +77,12 @@ pub struct Header {
     pub materials: Vec<TextureHeader>,
 }
 
-/// Bits of scales and values.
+/// Bits of the values of P1 and C: a byte, so that decoders read them as they are.
+pub(crate) const VALUE_BITS: u32 = 8;
+
+/// Bits of scales.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScaleBits {
-    /// Of P1's values.
-    pub p1: u32,
     /// Of P2's scales.
     pub p2: u32,
     /// Of P3's.
@@ -98,15 +99,15 @@ impl ScaleBits {
     /// The paper's: 8, and 16 for P2 where radiance is linear.
     pub fn paper(encoding: Encoding) -> Self {
         let p2 = if encoding == Encoding::Linear { 16 } else { 8 };
-        Self { p1: 8, p2, p3: 8, p4: 8, p6: 8, always_log: false }
+        Self { p2, p3: 8, p4: 8, p6: 8, always_log: false }
     }
 
     /// Of refined books: 6 logarithmic bits lose 0.01 dB of sRGB against 8, and leave room for more rows;
     /// linear radiance spans more.
     pub fn refined(encoding: Encoding) -> Self {
         match encoding {
-            Encoding::Srgb => Self { p1: 8, p2: 6, p3: 6, p4: 6, p6: 8, always_log: true },
-            Encoding::Linear => Self { p1: 8, p2: 10, p3: 10, p4: 10, p6: 12, always_log: true },
+            Encoding::Srgb => Self { p2: 6, p3: 6, p4: 6, p6: 8, always_log: true },
+            Encoding::Linear => Self { p2: 10, p3: 10, p4: 10, p6: 12, always_log: true },
         }
     }
 }
@@ -129,9 +130,9 @@ impl Header {
             shape(name, rows, len, index_bits(target) + scale.bits)
         };
         [
-            shape("P1", rows.p1, grid.betas, self.p1.bits),
+            shape("P1", rows.p1, grid.betas, VALUE_BITS),
             indexed("P2", rows.p2, grid.alphas, rows.p1, &self.p2),
-            shape("C", rows.c, 2, 8),
+            shape("C", rows.c, 2, VALUE_BITS),
             shape("I1", rows.i1, grid.betas, index_bits(rows.c)),
             shape("I2", rows.i2, grid.alphas, index_bits(rows.i1)),
             shape("M", rows.m, 1, index_bits(rows.p2) + index_bits(rows.i2)),
@@ -165,12 +166,8 @@ impl Header {
         if let Some(bad) = quantisers.into_iter().chain(scales).find(|q| !q.is_sound()) {
             return refuse("a quantiser", format!("{bad:?}"), "1 to 16 bits of a finite range");
         }
-        if self.c[0].bits != 8 || self.c[1].bits != 8 || self.p1.bits > 8 {
-            return refuse(
-                "bits of values",
-                format!("{} and {}", self.c[0].bits, self.p1.bits),
-                "8",
-            );
+        if let Some(bad) = quantisers[..3].iter().find(|q| q.bits != VALUE_BITS) {
+            return refuse("bits of values", bad.bits.to_string(), "8");
         }
         for material in &self.materials {
             material.info.check()?;
@@ -292,8 +289,9 @@ impl VqModel {
             let law = if bits.always_log { Quantiser::logarithmic } else { Quantiser::for_scales };
             law(width, values)
         };
-        let column =
-            |c: usize| Quantiser::linear(8, books.c.values.iter().skip(c).step_by(2).copied());
+        let column = |c: usize| {
+            Quantiser::linear(VALUE_BITS, books.c.values.iter().skip(c).step_by(2).copied())
+        };
         let header = Header {
             grid: books.grid,
             encoding: books.encoding,
@@ -301,8 +299,8 @@ impl VqModel {
             rows: Rows::of(books),
             // Densities along β are peaks and floors, where radiance is linear.
             p1: match (bits.always_log, books.encoding) {
-                (true, Encoding::Linear) => Quantiser::logarithmic(bits.p1, &books.p1.values),
-                _ => Quantiser::linear(bits.p1, books.p1.values.iter().copied()),
+                (true, Encoding::Linear) => Quantiser::logarithmic(VALUE_BITS, &books.p1.values),
+                _ => Quantiser::linear(VALUE_BITS, books.p1.values.iter().copied()),
             },
             c: [column(0), column(1)],
             p2: quantise(bits.p2, &books.p2.scale),

@@ -235,7 +235,7 @@ impl Decoder<'_> {
         let place = (alpha as f64 + f64::from(across), beta as f64 + f64::from(along));
         let sides = self.grid().directions(place.0, place.1, azimuth);
         let wi = sides[side(u2)];
-        SampledLight { wi, density: f64::from(luminance / total) / self.cell_solid_angle }
+        SampledLight { wi, density: f64::from(luminance / total) * self.cells_per_steradian }
     }
 
     /// Place in a row of P2 from two numbers in [0, 1): the node below and the part beyond it, along α
@@ -273,6 +273,7 @@ fn choose(masses: &[f32; 4], total: f32, u: f64) -> (usize, f64) {
 
 /// Which of two directions that share a place: digits that the inversion does not use choose.
 #[inline]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 8192")]
 fn side(u: f64) -> usize {
-    usize::from((u * 4096.0).fract() >= 0.5)
+    (u * 8192.0) as usize & 1
 }

@@ -13,6 +13,7 @@ use btf_vq::{
     PaperParams, ScaleBits, Survey, SurveyParams, Taps, TexelSet, VqModel, choose_sizes,
     encode_paper, encode_refined, fit_lpca,
 };
+use clap::ValueEnum;
 
 use super::fidelity::{Fidelity, all_taps, compare, to_bytes};
 use super::inputs::{GridChoice, Inputs};
@@ -27,7 +28,7 @@ use crate::progress::Progress;
 /// f32 and by one level of vector quantization; as published with several thresholds of MSE; and by
 /// principal components of each view. Bytes are those of books, bases and texels without headers. f32
 /// rivals and those of a view are not rounded: no storage of them does better. Writes study.csv and
-/// study.svg.
+/// study.svg. Larger books take longer: with the defaults it is about half an hour for 256² texels.
 ///
 /// Example: brdf btf study wool -o wool-study
 #[derive(clap::Args)]
@@ -43,6 +44,10 @@ pub(in crate::commands) struct Study {
     /// Write into a folder that holds other files
     #[arg(long)]
     force: bool,
+
+    /// What is measured [default: everything]
+    #[arg(long, value_enum, value_delimiter = ',')]
+    methods: Vec<Method>,
 
     /// Raw bytes over bytes
     #[arg(long, value_delimiter = ',', value_parser = positive, default_values_t = [2000.0, 764.0, 300.0])]
@@ -71,19 +76,46 @@ pub(in crate::commands) struct Study {
 /// One point.
 #[derive(Clone, Debug, serde::Serialize)]
 struct Row {
-    method: &'static str,
+    method: Method,
     bytes: usize,
     ratio: f64,
     #[serde(flatten)]
     fidelity: Fidelity,
 }
 
-const REFINED: &str = "refined";
-const PAPER: &str = "paper, MSE";
-const LPCA: &str = "LPCA, 8 bits";
-const LPCA_F32: &str = "LPCA, f32";
-const ONE_LEVEL: &str = "one-level VQ";
-const VIEW_PCA: &str = "PCA of each view";
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+enum Method {
+    /// Refined codebooks
+    Refined,
+    /// As published, with a threshold of MSE
+    Paper,
+    /// Local principal components in bytes
+    Lpca,
+    /// The same in f32
+    LpcaF32,
+    /// One level of vector quantization
+    OneLevel,
+    /// Principal components of each view
+    ViewPca,
+}
+
+impl Method {
+    const ALL: [Self; 6] =
+        [Self::Refined, Self::Paper, Self::Lpca, Self::LpcaF32, Self::OneLevel, Self::ViewPca];
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Refined => "refined",
+            Self::Paper => "paper, MSE",
+            Self::Lpca => "LPCA, 8 bits",
+            Self::LpcaF32 => "LPCA, f32",
+            Self::OneLevel => "one-level VQ",
+            Self::ViewPca => "PCA of each view",
+        }
+    }
+}
 
 impl Study {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
@@ -99,12 +131,17 @@ impl Study {
             source,
             taps: all_taps(source, &inputs.grid),
             every: self.every as usize,
+            methods: if self.methods.is_empty() { &Method::ALL } else { &self.methods },
             progress: Progress::new(1),
         };
         let rows = inputs.with_sets(|sets| {
-            let mut rows = bench.codebooks(sets, &self.ratios)?;
-            rows.extend(bench.paper(sets, &self.epsilons)?);
-            rows.extend(bench.views(&self.components)?);
+            let mut rows = bench.surveyed(sets, &self.ratios)?;
+            if bench.wants(Method::Paper) {
+                rows.extend(bench.paper(sets, &self.epsilons)?);
+            }
+            if bench.wants(Method::ViewPca) {
+                rows.extend(bench.views(&self.components)?);
+            }
             Ok(rows)
         })?;
         drop(bench);
@@ -119,7 +156,8 @@ impl Study {
             let (psnr, mssim) = (significant(fidelity.psnr), significant(fidelity.mssim));
             writeln!(
                 out,
-                "{method:18} {:>10}  1:{ratio:<6.0} PSNR {psnr} dB  MSSIM {mssim}",
+                "{:18} {:>10}  1:{ratio:<6.0} PSNR {psnr} dB  MSSIM {mssim}",
+                method.label(),
                 shown_bytes(*bytes)
             )?;
         }
@@ -134,13 +172,18 @@ struct Bench<'a> {
     source: &'a Btf,
     taps: Vec<Taps>,
     every: usize,
+    methods: &'a [Method],
     progress: Progress,
 }
 
 impl Bench<'_> {
+    fn wants(&self, method: Method) -> bool {
+        self.methods.contains(&method)
+    }
+
     fn row(
         &self,
-        method: &'static str,
+        method: Method,
         bytes: usize,
         image: &(dyn Fn(&Taps, &mut [[f32; 3]]) + Sync),
     ) -> anyhow::Result<Row> {
@@ -155,7 +198,7 @@ impl Bench<'_> {
 
     fn row_of(
         &self,
-        method: &'static str,
+        method: Method,
         bytes: usize,
         decode: &(dyn Fn(usize, &mut [u8]) + Sync),
     ) -> anyhow::Result<Row> {
@@ -165,7 +208,7 @@ impl Bench<'_> {
         Ok(Row { method, bytes, ratio, fidelity })
     }
 
-    fn model_row(&self, method: &'static str, model: &BtfModel) -> anyhow::Result<Row> {
+    fn model_row(&self, method: Method, model: &BtfModel) -> anyhow::Result<Row> {
         let bytes = model.stream_bytes().iter().map(|stream| stream.1).sum();
         let reader: BtfReader<'_> = model.reader(0).ok_or_else(|| anyhow!("no texture"))?;
         self.row(method, bytes, &|taps, texels| reader.image(0, taps, texels))
@@ -183,40 +226,63 @@ impl Bench<'_> {
         Ok(BtfModel::Vq(VqModel::pack(&books, &materials, bits)?))
     }
 
-    /// All that a survey of the texels serves.
+    /// What starts from a survey of the texels.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::cast_precision_loss,
         reason = "a ratio of bytes"
     )]
-    fn codebooks(&self, sets: &[TexelSet<'_>], ratios: &[f64]) -> anyhow::Result<Vec<Row>> {
+    fn surveyed(&self, sets: &[TexelSet<'_>], ratios: &[f64]) -> anyhow::Result<Vec<Row>> {
+        let of_survey = [Method::Refined, Method::Lpca, Method::LpcaF32, Method::OneLevel];
+        if !of_survey.iter().any(|method| self.wants(*method)) {
+            return Ok(Vec::new());
+        }
         self.progress.step("resampling");
         let survey = Survey::of(sets, SurveyParams::default(), &|_| ())?;
         let mut rows = Vec::new();
         for ratio in ratios {
             self.progress.step(format!("1:{ratio}"));
             let bytes = (self.inputs.raw_bytes as f64 / ratio) as usize;
-            let bits = ScaleBits::refined(survey.encoding());
-            let sizes = choose_sizes(&survey, &bits, bytes as u64)?;
-            let empty = Books::new(self.inputs.grid, survey.encoding(), Chroma::Relative);
-            let encoded = encode_refined(&survey, &sizes, empty);
-            let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
-            rows.push(self.model_row(REFINED, &self.pack(encoded.books, texture, bits)?)?);
-
-            let fit = fit_lpca(&survey, bytes, 1)?;
-            let model = LpcaModel::pack(&survey, &fit, self.inputs.infos.clone())?;
-            rows.push(self.model_row(LPCA, &BtfModel::Lpca(model))?);
-            // What does not fit has no point.
-            if let Ok(fit) = fit_lpca(&survey, bytes, 4) {
-                let texels = Combinations::of_lpca(&survey, &fit);
-                rows.push(self.row(LPCA_F32, bytes, &|taps, out| texels.image(taps, out))?);
-            }
-            if let Ok(texels) = Combinations::one_level(&survey, bytes) {
-                rows.push(self.row(ONE_LEVEL, bytes, &|taps, out| texels.image(taps, out))?);
+            for method in of_survey.into_iter().filter(|method| self.wants(*method)) {
+                rows.extend(self.surveyed_row(&survey, method, bytes)?);
             }
         }
         Ok(rows)
+    }
+
+    /// A point of a method; none where the bytes do not hold even its least.
+    fn surveyed_row(
+        &self,
+        survey: &Survey,
+        method: Method,
+        bytes: usize,
+    ) -> anyhow::Result<Option<Row>> {
+        let row = match method {
+            Method::Refined => {
+                let bits = ScaleBits::refined(survey.encoding());
+                let sizes = choose_sizes(survey, &bits, bytes as u64)?;
+                let empty = Books::new(self.inputs.grid, survey.encoding(), Chroma::Relative);
+                let encoded = encode_refined(survey, &sizes, empty);
+                let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
+                self.model_row(method, &self.pack(encoded.books, texture, bits)?)?
+            }
+            Method::Lpca => {
+                let fit = fit_lpca(survey, bytes, 1)?;
+                let model = LpcaModel::pack(survey, &fit, self.inputs.infos.clone())?;
+                self.model_row(method, &BtfModel::Lpca(model))?
+            }
+            Method::LpcaF32 => {
+                let Ok(fit) = fit_lpca(survey, bytes, 4) else { return Ok(None) };
+                let texels = Combinations::of_lpca(survey, &fit);
+                self.row(method, bytes, &|taps, out| texels.image(taps, out))?
+            }
+            _ => {
+                let Ok(texels) = Combinations::one_level(survey, bytes) else { return Ok(None) };
+                self.row(method, bytes, &|taps, out| texels.image(taps, out))?
+            }
+        };
+        Ok(Some(row))
     }
 
     fn paper(&self, sets: &[TexelSet<'_>], epsilons: &[f64]) -> anyhow::Result<Vec<Row>> {
@@ -229,7 +295,9 @@ impl Bench<'_> {
             let (books, textures) = encode_paper(sets, &params, empty, &|_| ())?;
             let bits = ScaleBits::paper(books.encoding);
             for texture in textures {
-                rows.push(self.model_row(PAPER, &self.pack(books.clone(), texture, bits)?)?);
+                rows.push(
+                    self.model_row(Method::Paper, &self.pack(books.clone(), texture, bits)?)?,
+                );
             }
         }
         Ok(rows)
@@ -243,7 +311,7 @@ impl Bench<'_> {
             let fit = ViewPca::fit(self.source, components)?;
             let images = self.view_pca_images(&fit)?;
             let decode = |at: usize, rgb: &mut [u8]| rgb.copy_from_slice(&images[at / self.every]);
-            rows.push(self.row_of(VIEW_PCA, ViewPca::bytes(layout, components), &decode)?);
+            rows.push(self.row_of(Method::ViewPca, ViewPca::bytes(layout, components), &decode)?);
         }
         Ok(rows)
     }
@@ -271,6 +339,7 @@ impl Bench<'_> {
 fn csv(rows: &[Row]) -> String {
     let mut text = String::from("method,bytes,ratio,psnr_db,mssim\n");
     for Row { method, bytes, ratio, fidelity: Fidelity { psnr, mssim } } in rows {
+        let method = method.label();
         text.push_str(&format!("\"{method}\",{bytes},{ratio:.1},{psnr:.3},{mssim:.4}\n"));
     }
     text
@@ -283,14 +352,14 @@ fn plot(rows: &[Row]) -> anyhow::Result<brdf_plot::Plot> {
         x: "log10 of bytes".to_owned(),
         y: y.to_owned(),
         y_scale: Scale::Linear,
-        series: [REFINED, PAPER, LPCA, LPCA_F32, ONE_LEVEL, VIEW_PCA]
+        series: Method::ALL
             .map(|method| {
                 let points = rows.iter().filter(|row| row.method == method);
                 #[expect(clippy::cast_precision_loss, reason = "a place on an axis")]
                 let points = points.map(|r| ((r.bytes as f64).log10(), of(&r.fidelity)));
                 let mut points: Vec<(f64, f64)> = points.collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                Series::new(method, points)
+                Series::new(method.label(), points)
             })
             .into_iter()
             .filter(|series| !series.points.is_empty())
