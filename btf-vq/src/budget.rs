@@ -116,7 +116,8 @@ impl Room<'_> {
         let p2 = rows(split[2], grid.alphas as f64 * 18.0, grid.thetas * p3);
         let p1 = rows(split[3], grid.betas as f64 * 8.0, grid.alphas * p2);
         if grid.phis == 1 {
-            return BookSizes { p4, p3, p2, p1, i2: p2, i1: 1024.min(grid.alphas * p2), c: 256 };
+            let i1 = (grid.alphas * p2 / 8).clamp(4, 1024);
+            return BookSizes { p4, p3, p2, p1, i2: p2, i1, c: i1.min(256) };
         }
         let i2 = (p3 / 16).clamp(4, 1024);
         BookSizes { p4, p3, p2, p1, i2, i1: (2 * i2).clamp(4, 256), c: 64 }
