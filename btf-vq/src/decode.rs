@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::bits::{PackedEntries, index_bits};
 use crate::books::level_size;
 use crate::colour::from_luma_chroma;
+use crate::sample::Cumulative;
 use crate::{AngularGrid, Chroma, Encoding, LightTaps, Pair, Quantiser, ViewTaps, VqModel};
 
 /// Where a pair of directions lies in the grid: made once, used for many texels.
@@ -151,8 +152,11 @@ pub struct Decoder<'a> {
     p3: ScaledBook<'a>,
     p4: ScaledBook<'a>,
     levels: Vec<Texture<'a>>,
-    /// Integral of each row of P1 over β, and of each row of P2 over both, in nodes.
-    p1_mass: Vec<f32>,
+    /// Integrals of rows of P1 over β up to each node, in nodes.
+    p1_below: Cumulative,
+    /// Integrals of rows of P2 over all β and over α up to each node, in nodes.
+    p2_below: Cumulative,
+    /// The last of these: of the whole slice.
     p2_mass: Vec<f32>,
     /// Rectangles between nodes of the light grid.
     pub(crate) cells_per_steradian: f64,
@@ -196,22 +200,18 @@ impl VqModel {
             p3: ScaledBook::new(self.stream(6), grid.thetas, rows.m, &header.p3),
             p4: ScaledBook::new(self.stream(7), grid.phis, rows.p3, &header.p4),
             levels: levels.collect(),
-            p1_mass: Vec::new(),
+            p1_below: Cumulative::default(),
+            p2_below: Cumulative::default(),
             p2_mass: Vec::new(),
             cells_per_steradian: grid.cell_solid_angle().recip(),
         };
-        decoder.p1_mass = (0..rows.p1)
-            .map(|row| {
-                let values = (0..grid.betas).map(|at| decoder.p1_value(row, at));
-                values.zip(AngularGrid::trapezoid(grid.betas)).map(|(v, w)| v * w).sum()
-            })
-            .collect();
-        decoder.p2_mass = (0..rows.p2)
-            .map(|row| {
-                let masses = (0..grid.alphas).map(|at| decoder.row_mass(row, at));
-                masses.zip(AngularGrid::trapezoid(grid.alphas)).map(|(v, w)| v * w).sum()
-            })
-            .collect();
+        decoder.p1_below =
+            Cumulative::new(grid.betas, rows.p1, |row, at| decoder.p1_value(row, at));
+        decoder.p2_below = Cumulative::new(grid.alphas, rows.p2, |row, at| {
+            let (p1, scale) = decoder.p2.get(row, at);
+            scale * decoder.p1_below.total(p1)
+        });
+        decoder.p2_mass = (0..rows.p2).map(|row| decoder.p2_below.total(row)).collect();
         Some(decoder)
     }
 }
@@ -370,21 +370,21 @@ impl Decoder<'_> {
 
     /// Two values of a row of P1, at a β and the next.
     #[inline]
-    fn p1_pair(&self, row: usize, beta: usize) -> [f32; 2] {
+    pub(crate) fn p1_pair(&self, row: usize, beta: usize) -> [f32; 2] {
         let codes = &self.p1[row * self.grid.betas + beta..][..2];
         [self.p1_values[usize::from(codes[0])], self.p1_values[usize::from(codes[1])]]
     }
 
     /// A value of a row of P1.
     #[inline]
-    pub(crate) fn p1_value(&self, row: usize, beta: usize) -> f32 {
+    fn p1_value(&self, row: usize, beta: usize) -> f32 {
         self.p1_values[usize::from(self.p1[row * self.grid.betas + beta])]
     }
 
-    /// Integral over β of a row of P1.
+    /// Integrals over β of a row of P1 up to each node, in nodes.
     #[inline]
-    pub(crate) fn p1_mass(&self, row: usize) -> f32 {
-        self.p1_mass[row]
+    pub(crate) fn p1_below(&self, row: usize) -> &[f32] {
+        self.p1_below.row(row)
     }
 
     /// Rows of P1 and scales that a row of P2 has at an α and the next.
@@ -393,11 +393,10 @@ impl Decoder<'_> {
         self.p2.pair(p2, alpha)
     }
 
-    /// Integral over β of a row of P2 at an α.
+    /// Integrals over all β, and over α up to each node, of a row of P2.
     #[inline]
-    pub(crate) fn row_mass(&self, p2: usize, alpha: usize) -> f32 {
-        let (p1, scale) = self.p2.get(p2, alpha);
-        scale * self.p1_mass[p1]
+    pub(crate) fn p2_below(&self, row: usize) -> &[f32] {
+        self.p2_below.row(row)
     }
 
     /// Integral over α and β of a row of P2.

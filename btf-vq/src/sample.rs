@@ -11,6 +11,43 @@ use glam::{DVec2, DVec3};
 use crate::decode::ABREAST;
 use crate::{AngularGrid, Decoder, LpcaDecoder, Pair, ViewTaps};
 
+/// Integrals of piecewise linear densities from the first node up to each, counted in nodes; the last
+/// is the whole.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cumulative {
+    nodes: usize,
+    sums: Vec<f32>,
+}
+
+impl Cumulative {
+    /// Of densities whose values at the nodes are `value(row, node)`.
+    pub(crate) fn new(nodes: usize, rows: usize, value: impl Fn(usize, usize) -> f32) -> Self {
+        let mut sums = Vec::with_capacity(rows * nodes);
+        for row in 0..rows {
+            let (mut sum, mut low) = (0.0, value(row, 0));
+            sums.push(sum);
+            for at in 1..nodes {
+                let high = value(row, at);
+                sum += 0.5 * (low + high);
+                sums.push(sum);
+                low = high;
+            }
+        }
+        Self { nodes, sums }
+    }
+
+    #[inline]
+    pub(crate) fn row(&self, row: usize) -> &[f32] {
+        &self.sums[row * self.nodes..][..self.nodes]
+    }
+
+    /// The integral of a whole row.
+    #[inline]
+    pub(crate) fn total(&self, row: usize) -> f32 {
+        self.row(row)[self.nodes - 1]
+    }
+}
+
 /// Directions to lights for one texel and view.
 #[derive(Clone, Debug)]
 pub struct LightSampler {
@@ -19,26 +56,24 @@ pub struct LightSampler {
     azimuth: DVec2,
     /// Luminance between the view's nodes, `[alpha][beta]`, 0 and above.
     luminance: Vec<f32>,
-    /// Integral of each α node's slice over β, in nodes.
-    slices: Vec<f32>,
-    /// Integral over all nodes.
-    total: f32,
+    /// Integrals of each α node's slice over β.
+    lines: Cumulative,
+    /// Of these over α: one row.
+    slice: Cumulative,
 }
 
 impl LightSampler {
     fn new(grid: AngularGrid, azimuth: DVec2, luminance: Vec<f32>) -> Self {
-        let integral = |slice: &[f32]| -> f32 {
-            slice.iter().zip(AngularGrid::trapezoid(grid.betas)).map(|(v, w)| v * w).sum()
-        };
-        let slices: Vec<f32> = luminance.chunks_exact(grid.betas).map(integral).collect();
-        let total =
-            slices.iter().zip(AngularGrid::trapezoid(grid.alphas)).map(|(s, w)| s * w).sum();
-        Self { grid, azimuth, luminance, slices, total }
+        let value = |alpha: usize, beta| luminance[alpha * grid.betas + beta];
+        let lines = Cumulative::new(grid.betas, grid.alphas, value);
+        let slice = Cumulative::new(grid.alphas, 1, |_, alpha| lines.total(alpha));
+        Self { grid, azimuth, luminance, lines, slice }
     }
 
     /// Whether there is nothing to follow.
     fn is_dark(&self) -> bool {
-        self.total.is_nan() || self.total <= 0.0
+        let total = self.slice.total(0);
+        total.is_nan() || total <= 0.0
     }
 
     /// A unit direction to the light and its density per steradian, from two numbers in [0, 1);
@@ -50,20 +85,21 @@ impl LightSampler {
             let z = (1.0 - u1).max(0.0).sqrt();
             return (DVec3::new(radius * cos, radius * sin, z), z / PI);
         }
-        let (alpha, across) = invert(|at| self.slices[at], self.grid.alphas, self.total, u1);
-        let (low, high) = (alpha, (alpha + 1).min(self.grid.alphas - 1));
-        let value = |at: usize| {
-            let of = |alpha: usize| self.luminance[alpha * self.grid.betas + at];
-            (1.0 - across) * of(low) + across * of(high)
+        let total = self.slice.total(0);
+        let (alpha, left) = segment(self.slice.row(0), share(u1, total));
+        let lines = [alpha, alpha + 1];
+        let across = part(lines.map(|line| self.lines.total(line)), left);
+        let weights = [1.0 - across, across];
+        let (beta, left) = segment_between(lines.map(|line| self.lines.row(line)), weights, u2);
+        let value = |beta| -> f32 {
+            let values = lines.map(|line| self.luminance[line * self.grid.betas + beta]);
+            weights[0] * values[0] + weights[1] * values[1]
         };
-        let mass = (1.0 - across) * self.slices[low] + across * self.slices[high];
-        let (beta, along) = invert(value, self.grid.betas, mass, u2);
-        let next = (beta + 1).min(self.grid.betas - 1);
-        let luminance = (1.0 - along) * value(beta) + along * value(next);
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
-        let place = (alpha as f64 + f64::from(across), beta as f64 + f64::from(along));
-        let sides = self.grid.directions(place.0, place.1, self.azimuth);
-        (sides[side(u2)], f64::from(luminance / self.total) / self.grid.cell_solid_angle())
+        let ends = [value(beta), value(beta + 1)];
+        let along = part(ends, left);
+        let luminance = (1.0 - along) * ends[0] + along * ends[1];
+        let wi = direction(&self.grid, [alpha, beta], [across, along], self.azimuth, u2);
+        (wi, f64::from(luminance / total) / self.grid.cell_solid_angle())
     }
 
     /// The density, per steradian, with which [`LightSampler::sample`] gives a unit direction of the
@@ -82,29 +118,65 @@ impl LightSampler {
                 sum += w_alpha * w_beta * self.luminance[alpha * self.grid.betas + beta];
             }
         }
-        f64::from(sum / self.total) / self.grid.cell_solid_angle()
+        f64::from(sum / self.slice.total(0)) / self.grid.cell_solid_angle()
     }
 }
 
-/// Place in a piecewise linear density with values at `count` nodes and integral `total`, counted in
-/// nodes, as the node below and the part beyond it.
-#[expect(clippy::cast_possible_truncation, reason = "weights are f32")]
+/// Part of an integral below which a number in [0, 1) lies; always less than the whole.
 #[inline]
-fn invert(value: impl Fn(usize) -> f32, count: usize, total: f32, u: f64) -> (usize, f32) {
-    let mut wanted = u as f32 * total;
-    let (mut at, mut low) = (0, value(0));
-    loop {
-        let high = value(at + 1);
-        let mass = 0.5 * (low + high);
-        if wanted < mass || at + 2 >= count {
-            // ½ (high − low) t² + low t = wanted, in a form that loses no digits.
-            let root = (low * low + 2.0 * (high - low) * wanted).max(0.0).sqrt();
-            let t = if low + root > 0.0 { 2.0 * wanted / (low + root) } else { 0.5 };
-            return (at, t.clamp(0.0, 1.0));
-        }
-        wanted -= mass;
-        (at, low) = (at + 1, high);
-    }
+#[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
+fn share(u: f64, total: f32) -> f32 {
+    (u as f32).min(1.0 - f32::EPSILON) * total
+}
+
+/// The node below the place where an integral reaches a value, and what is missing there. Counted
+/// without branches, which could not be foreseen.
+#[inline]
+fn segment(below: &[f32], wanted: f32) -> (usize, f32) {
+    let inner = &below[1..below.len() - 1];
+    let at = inner.iter().map(|sum| usize::from(*sum <= wanted)).sum();
+    (at, wanted - below[at])
+}
+
+/// The same in the sum of two weighted densities.
+#[inline]
+fn segment_between(below: [&[f32]; 2], weights: [f32; 2], u: f64) -> (usize, f32) {
+    let last = below[0].len() - 1;
+    let (first, second) = (&below[0][..=last], &below[1][..=last]);
+    let sum = |at: usize| weights[0] * first[at] + weights[1] * second[at];
+    let wanted = share(u, sum(last));
+    let at = (1..last).map(|at| usize::from(sum(at) <= wanted)).sum();
+    (at, wanted - sum(at))
+}
+
+/// Part of the way between two nodes where the integral of the line between their values reaches
+/// `wanted`.
+#[inline]
+fn part([low, high]: [f32; 2], wanted: f32) -> f32 {
+    // ½ (high − low) t² + low t = wanted, in a form that loses no digits.
+    let root = (low * low + 2.0 * (high - low) * wanted).max(0.0).sqrt();
+    let t = if low + root > 0.0 { 2.0 * wanted / (low + root) } else { 0.5 };
+    t.clamp(0.0, 1.0)
+}
+
+/// The unit direction of a place in the grid: the nodes below and the parts beyond them. Digits of `u`
+/// that the inversion does not use choose between two directions that share a place.
+#[inline]
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "grids are small"
+)]
+fn direction(
+    grid: &AngularGrid,
+    [alpha, beta]: [usize; 2],
+    [across, along]: [f32; 2],
+    azimuth: DVec2,
+    u: f64,
+) -> DVec3 {
+    let place = (alpha as f64 + f64::from(across), beta as f64 + f64::from(along));
+    grid.directions(place.0, place.1, azimuth)[(u * 8192.0) as usize & 1]
 }
 
 impl Decoder<'_> {
@@ -204,76 +276,57 @@ impl Decoder<'_> {
                 *mass = weight * self.slice_mass(*p2);
             }
         }
+        let (mut places, mut totals) = ([([0; 2], [0.0; 2]); N], [0.0; N]);
+        for q in 0..N {
+            let (node, total, u1) = choose(&masses[q], queries[q].u[0]);
+            places[q] = self.place_in_slice(nodes[q][node].0, u1, queries[q].u[1]);
+            totals[q] = total;
+        }
         let mut lights = [SampledLight::default(); N];
         for (q, light) in lights.iter_mut().enumerate() {
-            *light = self.sample_view(&queries[q], taps[q].1, &nodes[q], &masses[q]);
+            let (LightQuery { texel, wo, u }, total) = (queries[q], totals[q]);
+            let (nodes_below, parts) = places[q];
+            *light = if total > 0.0 {
+                let values = nodes[q]
+                    .iter()
+                    .map(|(p2, weight)| weight * self.slice_luminance(*p2, nodes_below, parts));
+                let density = f64::from(values.sum::<f32>() / total) * self.cells_per_steradian;
+                let wi = direction(self.grid(), nodes_below, parts, taps[q].1, u[1]);
+                SampledLight { wi, density }
+            } else {
+                let (wi, density) = self.light_sampler(0, texel, wo).sample(u[0], u[1]);
+                SampledLight { wi, density }
+            };
         }
         lights
-    }
-
-    /// One direction from rows of P2 around the view, what each counts, and their integrals.
-    fn sample_view(
-        &self,
-        query: &LightQuery,
-        azimuth: DVec2,
-        nodes: &[(usize, f32); 4],
-        masses: &[f32; 4],
-    ) -> SampledLight {
-        let [u1, u2] = query.u;
-        let total: f32 = masses.iter().sum();
-        if total.is_nan() || total <= 0.0 {
-            let (wi, density) = self.light_sampler(0, query.texel, query.wo).sample(u1, u2);
-            return SampledLight { wi, density };
-        }
-        let (node, u1) = choose(masses, total, u1);
-        let ([alpha, beta], [across, along]) = self.place_in_slice(nodes[node].0, u1, u2);
-        let luminance: f32 = nodes
-            .iter()
-            .map(|(p2, weight)| weight * self.slice_luminance(*p2, [alpha, beta], [across, along]))
-            .sum();
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
-        let place = (alpha as f64 + f64::from(across), beta as f64 + f64::from(along));
-        let sides = self.grid().directions(place.0, place.1, azimuth);
-        let wi = sides[side(u2)];
-        SampledLight { wi, density: f64::from(luminance / total) * self.cells_per_steradian }
     }
 
     /// Place in a row of P2 from two numbers in [0, 1): the node below and the part beyond it, along α
     /// and β.
     #[inline]
     fn place_in_slice(&self, p2: usize, u1: f64, u2: f64) -> ([usize; 2], [f32; 2]) {
-        let grid = self.grid();
-        let (alpha, across) =
-            invert(|at| self.row_mass(p2, at), grid.alphas, self.slice_mass(p2), u1);
-        let [low, high] = self.p1_rows(p2, alpha);
-        let scales = [(1.0 - across) * low.1, across * high.1];
-        let mass = scales[0] * self.p1_mass(low.0) + scales[1] * self.p1_mass(high.0);
-        let value =
-            |at| scales[0] * self.p1_value(low.0, at) + scales[1] * self.p1_value(high.0, at);
-        let (beta, along) = invert(value, grid.betas, mass, u2);
-        ([alpha, beta], [across, along])
+        let wanted = share(u1, self.slice_mass(p2));
+        let (alpha, left) = segment(self.p2_below(p2), wanted);
+        let lines = self.p1_rows(p2, alpha);
+        let below = lines.map(|(p1, _)| self.p1_below(p1));
+        let across = part([0, 1].map(|i| lines[i].1 * below[i][below[i].len() - 1]), left);
+        let weights = [(1.0 - across) * lines[0].1, across * lines[1].1];
+        let (beta, left) = segment_between(below, weights, u2);
+        let values = lines.map(|(p1, _)| self.p1_pair(p1, beta));
+        let ends = [0, 1].map(|i| weights[0] * values[0][i] + weights[1] * values[1][i]);
+        ([alpha, beta], [across, part(ends, left)])
     }
 }
 
-/// One of a few, by their masses, and the number left for what follows.
+/// One of a few, by their masses, their sum, and the number left for what follows.
 #[inline]
-#[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
-fn choose(masses: &[f32; 4], total: f32, u: f64) -> (usize, f64) {
-    let mut wanted = u as f32 * total;
-    let mut chosen = masses.iter().rposition(|mass| *mass > 0.0).unwrap_or(0);
-    for (at, mass) in masses.iter().enumerate() {
-        if wanted < *mass {
-            chosen = at;
-            break;
-        }
-        wanted -= mass;
+fn choose(masses: &[f32; 4], u: f64) -> (usize, f32, f64) {
+    let mut below = [0.0; 4];
+    for at in 1..4 {
+        below[at] = below[at - 1] + masses[at - 1];
     }
-    (chosen, f64::from((wanted / masses[chosen]).clamp(0.0, 1.0 - f32::EPSILON)))
-}
-
-/// Which of two directions that share a place: digits that the inversion does not use choose.
-#[inline]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 8192")]
-fn side(u: f64) -> usize {
-    (u * 8192.0) as usize & 1
+    let total = below[3] + masses[3];
+    let wanted = share(u, total);
+    let at = below[1..].iter().map(|sum| usize::from(*sum <= wanted)).sum::<usize>();
+    (at, total, f64::from((wanted - below[at]) / masses[at]))
 }
