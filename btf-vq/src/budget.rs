@@ -40,10 +40,19 @@ const TRIAL: usize = 8192;
 /// # Errors
 ///
 /// [`VqError::Budget`] where P6 alone takes more.
-pub fn choose_sizes(survey: &Survey, bits: &ScaleBits, bytes: u64) -> Result<BookSizes, VqError> {
-    let texels = survey.texels();
-    let room = Room { grid: &survey.grid, bits, texels, bytes };
-    if survey.grid.phis == 1 {
+///
+/// # Panics
+///
+/// If there are no surveys.
+pub fn choose_sizes(
+    surveys: &[Survey],
+    bits: &ScaleBits,
+    bytes: u64,
+) -> Result<BookSizes, VqError> {
+    let Survey { grid, encoding, .. } = surveys[0];
+    let texels = surveys.iter().map(Survey::texels).sum();
+    let room = Room { grid: &grid, bits, textures: surveys.len(), texels, bytes };
+    if grid.phis == 1 {
         return room.sizes(&BRDF_SPLIT, 1.0);
     }
     let sizes: Vec<BookSizes> =
@@ -53,13 +62,13 @@ pub fn choose_sizes(survey: &Survey, bits: &ScaleBits, bytes: u64) -> Result<Boo
     }
     #[expect(clippy::cast_precision_loss, reason = "counts of texels")]
     let share = TRIAL as f64 / texels as f64;
-    let part = survey.every(texels / TRIAL);
+    let part: Vec<Survey> = surveys.iter().map(|s| s.every(texels / TRIAL)).collect();
     let trials = SPLITS.iter().zip(&sizes).map(|(split, sizes)| {
-        let empty = Books::new(survey.grid, survey.encoding, Chroma::Relative);
+        let empty = Books::new(grid, encoding, Chroma::Relative);
         let encoded = encode_refined(&part, &sizes.times(share), empty);
         let Rows { m, p3, .. } = Rows::of(&encoded.books);
         #[expect(clippy::cast_precision_loss, reason = "rows of books")]
-        let different = m as f64 / (p3 * survey.grid.thetas).max(1) as f64;
+        let different = m as f64 / (p3 * grid.thetas).max(1) as f64;
         (split, different, encoded.errors.total)
     });
     match trials.min_by(|a, b| a.2.total_cmp(&b.2)) {
@@ -72,6 +81,8 @@ pub fn choose_sizes(survey: &Survey, bits: &ScaleBits, bytes: u64) -> Result<Boo
 struct Room<'a> {
     grid: &'a AngularGrid,
     bits: &'a ScaleBits,
+    /// Each brings colours of its own.
+    textures: usize,
     texels: usize,
     bytes: u64,
 }
@@ -119,8 +130,9 @@ impl Room<'_> {
             let i1 = (grid.alphas * p2 / 8).clamp(4, 1024);
             return BookSizes { p4, p3, p2, p1, i2: p2, i1, c: i1.min(256) };
         }
-        let i2 = (p3 / 16).clamp(4, 1024);
-        BookSizes { p4, p3, p2, p1, i2, i1: (2 * i2).clamp(4, 256), c: 64 }
+        let i2 = (p3 / 16).clamp(4, 1024 * self.textures);
+        let i1 = (2 * i2).min(256 * self.textures);
+        BookSizes { p4, p3, p2, p1, i2, i1, c: 256.min(64 * self.textures) }
     }
 }
 
@@ -212,7 +224,7 @@ mod tests {
         let grid = AngularGrid::default();
         let bits = ScaleBits::refined(Encoding::Srgb);
         for bytes in [400_000_u64, 1_690_000, 5_000_000] {
-            let room = Room { grid: &grid, bits: &bits, texels: 65_536, bytes };
+            let room = Room { grid: &grid, bits: &bits, textures: 1, texels: 65_536, bytes };
             for split in &SPLITS {
                 let sizes = room.sizes(split, DIFFERENT).unwrap();
                 let taken = stream_bytes(&grid, &sizes.rows(&grid, DIFFERENT), &bits, 65_536);
@@ -222,7 +234,7 @@ mod tests {
                 );
             }
         }
-        let room = Room { grid: &grid, bits: &bits, texels: 65_536, bytes: 1000 };
+        let room = Room { grid: &grid, bits: &bits, textures: 1, texels: 65_536, bytes: 1000 };
         assert!(room.sizes(&SPLITS[0], DIFFERENT).is_err());
     }
 
@@ -230,7 +242,7 @@ mod tests {
     fn brdfs_get_a_row_for_every_slice_where_there_is_room() {
         let grid = AngularGrid { alphas: 45, betas: 45, thetas: 35, phis: 1, ..Default::default() };
         let bits = ScaleBits::refined(Encoding::Srgb);
-        let room = Room { grid: &grid, bits: &bits, texels: 60, bytes: 7_000_000 };
+        let room = Room { grid: &grid, bits: &bits, textures: 1, texels: 60, bytes: 7_000_000 };
         let sizes = room.sizes(&BRDF_SPLIT, 1.0).unwrap();
         assert_eq!([sizes.p4, sizes.p3, sizes.p2, sizes.p1], [60, 60, 2100, 94_500]);
         let room = Room { bytes: 1_000_000, ..room };

@@ -3,6 +3,7 @@
 //! against what the levels below really hold.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use faer::MatRef;
 use rayon::prelude::*;
@@ -58,7 +59,8 @@ pub struct Encoded {
 
 /// Iterations at every level: a tradeoff of time, of which they take most.
 const ITERATIONS: usize = 4;
-/// Dimensions in which 3D slices are compared; all of them where there are few slices.
+/// Dimensions in which 3D slices of one texture are compared; each further one brings half as many
+/// again. All of them where there are few slices.
 const SLICE_DIMS: usize = 48;
 const FEW_SLICES: usize = 128;
 /// Slices that these dimensions are found on.
@@ -66,41 +68,84 @@ const SLICE_SAMPLE: usize = 1536;
 /// Codes that are expanded together.
 const CHUNK: usize = 64;
 
-/// Adds rows, of these numbers, to books so that they hold a survey; rows that the books have serve
-/// where they fit and stay as they are. The new rows index old and new ones alike.
+/// Adds rows, of these numbers, to books so that they hold the textures of some surveys; rows that the
+/// books have serve where they fit and stay as they are. The new rows index old and new ones alike.
+///
+/// Textures have rows of P4 of their own, in proportion to their texels, and share all books below, so
+/// that time grows with the number of textures and not with its square.
 ///
 /// # Panics
 ///
-/// If the books are of another grid or encoding, or hold chrominance itself.
-pub fn encode_refined(survey: &Survey, sizes: &BookSizes, mut books: Books) -> Encoded {
-    assert!(
-        (books.grid, books.encoding, books.chroma)
-            == (survey.grid, survey.encoding, Chroma::Relative),
-        "books of the survey's kind"
-    );
-    let metric = Metric::of(survey);
-    let texel_weights = survey.texel_weights();
-    let dims = survey.space.dims;
-    let old = rows_in(&survey.space, books.p4.rows(), &survey.root_weights, &|row, out| {
-        books.expand_p4(row, out);
-    });
-    let texels = cluster_in(dims, &survey.coefficients, &texel_weights, &old, sizes.p4);
-    let mut errors = LevelErrors { p4: texels.distortion, ..LevelErrors::default() };
-    let usage4 = usage(&texels, dims, &texel_weights);
-    let codes = &texels.codes;
-
-    let slices = ThreeD::cluster(survey, &metric, codes, &usage4, sizes.p3, &books);
+/// If there are no surveys, or the books are of another grid or encoding, or hold chrominance itself.
+pub fn encode_refined(surveys: &[Survey], sizes: &BookSizes, mut books: Books) -> Encoded {
+    for survey in surveys {
+        assert!(
+            (books.grid, books.encoding, books.chroma)
+                == (survey.grid, survey.encoding, Chroma::Relative),
+            "books of the surveys' kind"
+        );
+    }
+    let metric = Metric::of(surveys);
+    let texels: usize = surveys.iter().map(Survey::texels).sum();
+    let exemplars: Vec<Exemplars<'_>> = surveys
+        .iter()
+        .map(|survey| {
+            let count = (sizes.p4 * survey.texels()).div_ceil(texels.max(1));
+            Exemplars::find(survey, count, &books)
+        })
+        .collect();
+    let p4 = exemplars.iter().map(|e| e.distortion).sum();
+    let mut errors = LevelErrors { p4, ..LevelErrors::default() };
+    let slices = ThreeD::cluster(&exemplars, &metric, sizes.p3, &books);
     errors.p3 = slices.distortion;
     let two = TwoD::cluster(&metric, &slices, sizes, &books, &mut errors);
 
     two.build(&mut books);
     slices.build(&metric, &two, &mut books);
-    choose_p3(survey, &metric, codes, &slices.space, &mut books);
-    let matches = choose_p4(survey, &books);
-    let left = survey.energies.iter().zip(&matches).zip(&texel_weights);
-    errors.total = left.map(|((e, m), w)| f64::from(w * (e - m.score))).sum();
-    let (index, scale) = matches.iter().map(|m| (narrow(m.code), m.gain)).unzip();
+    let old = books.p4.rows();
+    choose_p3(&exemplars, &metric, &slices.space, &mut books);
+    let (mut index, mut scale) = (Vec::new(), Vec::new());
+    let mut own = old..old;
+    for exemplars in &exemplars {
+        own = own.end..own.end + exemplars.len();
+        let survey = exemplars.survey;
+        let matches = choose_p4(survey, old, own.clone(), &books);
+        let left = survey.energies.iter().zip(&matches).zip(survey.texel_weights());
+        errors.total += left.map(|((e, m), w)| f64::from(w * (e - m.score))).sum::<f64>();
+        index.extend(matches.iter().map(|m| narrow(m.code)));
+        scale.extend(matches.iter().map(|m| m.gain));
+    }
     Encoded { books, index, scale, errors }
+}
+
+/// Centres of the texels of a survey, which will have rows of P4.
+struct Exemplars<'a> {
+    survey: &'a Survey,
+    /// `[centre][dim]`.
+    codes: Vec<f32>,
+    /// Weighted energy that each stands for.
+    usage: Vec<f32>,
+    distortion: f64,
+}
+
+impl<'a> Exemplars<'a> {
+    fn find(survey: &'a Survey, count: usize, books: &Books) -> Self {
+        let (dims, weights) = (survey.space.dims, survey.texel_weights());
+        let expand = |row: usize, out: &mut [f32]| books.expand_p4(row, out);
+        let old = rows_in(&survey.space, 0..books.p4.rows(), &survey.root_weights, &expand);
+        let clusters = cluster_in(dims, &survey.coefficients, &weights, &old, count);
+        let usage = usage(&clusters, dims, &weights);
+        Self { survey, codes: clusters.codes, usage, distortion: clusters.distortion }
+    }
+
+    fn len(&self) -> usize {
+        self.usage.len()
+    }
+
+    /// Coefficients of some that lie evenly.
+    fn every(&self, step: usize) -> Vec<f32> {
+        self.codes.chunks_exact(self.survey.space.dims).step_by(step).flatten().copied().collect()
+    }
 }
 
 fn narrow(index: usize) -> u32 {
@@ -150,14 +195,16 @@ struct Metric {
 
 impl Metric {
     #[expect(clippy::cast_precision_loss, reason = "grids are small")]
-    fn of(survey: &Survey) -> Self {
-        let grid = survey.grid;
+    fn of(surveys: &[Survey]) -> Self {
+        let (grid, encoding) = (surveys[0].grid, surveys[0].encoding);
         let (nodes, slice) = (grid.node_count(), grid.slice_len());
-        let channels = channel_weights(survey.encoding);
-        let luma = survey.root_weights[..nodes].iter().map(|r| r * r / channels[0]);
+        let channels = channel_weights(encoding);
         let mut three = vec![0.0_f32; grid.thetas * slice];
-        for (at, weight) in luma.enumerate() {
-            three[at % (grid.thetas * slice)] += weight / grid.phis as f32;
+        let share = (surveys.len() * grid.phis) as f32;
+        for survey in surveys {
+            for (at, root) in survey.root_weights[..nodes].iter().enumerate() {
+                three[at % (grid.thetas * slice)] += root * root / channels[0] / share;
+            }
         }
         let root3 = channels.iter().flat_map(|c| three.iter().map(move |w| (c * w).sqrt()));
         let root3 = root3.collect();
@@ -188,35 +235,30 @@ struct ThreeD {
 }
 
 impl ThreeD {
-    fn cluster(
-        survey: &Survey,
-        metric: &Metric,
-        codes: &[f32],
-        usage4: &[f32],
-        count: usize,
-        books: &Books,
-    ) -> Self {
-        let grid = survey.grid;
-        let len = metric.root3.len();
-        let texels = codes.len() / survey.space.dims;
-        let wanted = SLICE_SAMPLE / grid.phis + 1;
-        let step = texels.div_ceil(wanted).max(1);
-        let chosen: Vec<f32> = (0..texels)
-            .step_by(step)
-            .flat_map(|at| codes[at * survey.space.dims..][..survey.space.dims].to_vec())
-            .collect();
-        let sample: Vec<f32> =
-            (0..grid.phis).flat_map(|phi| slices_of(survey, metric, &chosen, phi)).collect();
-        let few = texels * grid.phis <= FEW_SLICES;
-        let space = Subspace::of(&sample, len, if few { FEW_SLICES } else { SLICE_DIMS });
-        let (mut coefficients, mut weights) = (Vec::new(), Vec::new());
-        for phi in 0..grid.phis {
-            for block in codes.chunks(CHUNK * 16 * survey.space.dims) {
-                coefficients.extend(space.project(&slices_of(survey, metric, block, phi)));
+    fn cluster(exemplars: &[Exemplars<'_>], metric: &Metric, count: usize, books: &Books) -> Self {
+        let (phis, len) = (metric.grid.phis, metric.root3.len());
+        let rows: usize = exemplars.iter().map(Exemplars::len).sum();
+        let step = rows.div_ceil(SLICE_SAMPLE / phis + 1).max(1);
+        let mut sample = Vec::new();
+        for exemplars in exemplars {
+            let chosen = exemplars.every(step);
+            for phi in 0..phis {
+                sample.extend(slices_of(exemplars.survey, metric, &chosen, phi));
             }
-            weights.extend_from_slice(usage4);
         }
-        let old = rows_in(&space, books.p3.rows(), &metric.root3, &|row, out| {
+        let few = rows * phis <= FEW_SLICES;
+        let dims = if few { FEW_SLICES } else { SLICE_DIMS * (1 + exemplars.len()) / 2 };
+        let space = Subspace::of(&sample, len, dims);
+        let (mut coefficients, mut weights) = (Vec::new(), Vec::new());
+        for Exemplars { survey, codes, usage, .. } in exemplars {
+            for phi in 0..phis {
+                for block in codes.chunks(CHUNK * 16 * survey.space.dims) {
+                    coefficients.extend(space.project(&slices_of(survey, metric, block, phi)));
+                }
+                weights.extend_from_slice(usage);
+            }
+        }
+        let old = rows_in(&space, 0..books.p3.rows(), &metric.root3, &|row, out| {
             books.expand_p3(row, out);
         });
         let clusters = cluster_in(space.dims, &coefficients, &weights, &old, count);
@@ -417,7 +459,7 @@ fn luma_slices(
     let step = (weights.len() / SLICE_SAMPLE).max(1);
     let sample: Vec<f32> = slices.chunks_exact(len).step_by(step).flatten().copied().collect();
     let space = Subspace::of(&sample, len, dims);
-    let old = rows_in(&space, books.p2.rows(), root2, &|row, out| books.expand_p2(row, out));
+    let old = rows_in(&space, 0..books.p2.rows(), root2, &|row, out| books.expand_p2(row, out));
     let mut luma = cluster_in(space.dims, &space.project(slices), weights, &old, count);
     luma.codes = space.lift(&luma.codes);
     luma
@@ -505,48 +547,53 @@ fn by_node(grid: AngularGrid, values: &[f32]) -> Vec<f32> {
 }
 
 /// New rows of P4: for each azimuth of each centre the row of P3, as it really is, that fits best.
-fn choose_p3(survey: &Survey, metric: &Metric, codes: &[f32], space: &Subspace, books: &mut Books) {
-    let phis = survey.grid.phis;
+fn choose_p3(exemplars: &[Exemplars<'_>], metric: &Metric, space: &Subspace, books: &mut Books) {
+    let phis = metric.grid.phis;
     let expand = |row: usize, out: &mut [f32]| books.expand_p3(row, out);
-    let (set, lengths) = code_set(space, books.p3.rows(), &metric.root3, &expand);
-    let texels = codes.len() / survey.space.dims;
-    let mut index = vec![0; texels * phis];
-    let mut scale = vec![0.0; texels * phis];
-    for phi in 0..phis {
-        let wanted = with_rest(&space.project(&slices_of(survey, metric, codes, phi)), space.dims);
-        for (texel, found) in set.nearest(&wanted, &[]).iter().enumerate() {
-            index[texel * phis + phi] = narrow(found.code);
-            let length = lengths[found.code];
-            scale[texel * phis + phi] = if length > 0.0 { found.gain / length } else { 0.0 };
+    let rows = rows_in(space, 0..books.p3.rows(), &metric.root3, &expand);
+    let (set, lengths) = code_set(&rows, space.dims);
+    for exemplars in exemplars {
+        let count = exemplars.len() * phis;
+        let (mut index, mut scale) = (vec![0; count], vec![0.0; count]);
+        for phi in 0..phis {
+            let slices = slices_of(exemplars.survey, metric, &exemplars.codes, phi);
+            let wanted = with_rest(&space.project(&slices), space.dims);
+            for (row, found) in set.nearest(&wanted, &[]).iter().enumerate() {
+                index[row * phis + phi] = narrow(found.code);
+                scale[row * phis + phi] = gain(found, &lengths);
+            }
         }
+        books.p4.index.extend(index);
+        books.p4.scale.extend(scale);
     }
-    books.p4.index.extend(index);
-    books.p4.scale.extend(scale);
 }
 
-/// The best row of P4, as it really is, for each texel, with the scale for it as gain.
-fn choose_p4(survey: &Survey, books: &Books) -> Vec<Match> {
+/// The best row of P4, as it really is, for each texel, with the scale for it as gain: among `old` ones
+/// at the start and those that were made for the survey.
+fn choose_p4(survey: &Survey, old: usize, own: Range<usize>, books: &Books) -> Vec<Match> {
+    let (space, roots) = (&survey.space, &survey.root_weights);
     let expand = |row: usize, out: &mut [f32]| books.expand_p4(row, out);
-    let (set, lengths) = code_set(&survey.space, books.p4.rows(), &survey.root_weights, &expand);
-    let wanted = with_rest(&survey.coefficients, survey.space.dims);
-    let mut matches = set.nearest(&wanted, &[]);
+    let between = own.start - old;
+    let rows = [rows_in(space, 0..old, roots, &expand), rows_in(space, own, roots, &expand)];
+    let (set, lengths) = code_set(&rows.concat(), space.dims);
+    let mut matches = set.nearest(&with_rest(&survey.coefficients, space.dims), &[]);
     for found in &mut matches {
-        let length = lengths[found.code];
-        found.gain = if length > 0.0 { found.gain / length } else { 0.0 };
+        found.gain = gain(found, &lengths);
+        found.code += if found.code < old { 0 } else { between };
     }
     matches
 }
 
-/// Rows of a book as codes in a subspace, and their lengths.
-fn code_set(
-    space: &Subspace,
-    rows: usize,
-    root_weights: &[f32],
-    expand: &(dyn Fn(usize, &mut [f32]) + Sync),
-) -> (CodeSet, Vec<f32>) {
-    let mut set = CodeSet::new(space.dims + 1, 0);
-    let rows = rows_in(space, rows, root_weights, expand);
-    let lengths = rows.chunks_exact(space.dims + 1).map(|row| set.push(row, &[])).collect();
+/// The scale of a row of this length that a match of its direction asks for.
+fn gain(found: &Match, lengths: &[f32]) -> f32 {
+    let length = lengths[found.code];
+    if length > 0.0 { found.gain / length } else { 0.0 }
+}
+
+/// Rows of a book in a subspace, with their last coordinate ([`rows_in`]), as codes, and their lengths.
+fn code_set(rows: &[f32], dims: usize) -> (CodeSet, Vec<f32>) {
+    let mut set = CodeSet::new(dims + 1, 0);
+    let lengths = rows.chunks_exact(dims + 1).map(|row| set.push(row, &[])).collect();
     (set, lengths)
 }
 
@@ -554,14 +601,15 @@ fn code_set(
 /// they keep their lengths: `[row][dims + 1]`.
 fn rows_in(
     space: &Subspace,
-    rows: usize,
+    rows: Range<usize>,
     root_weights: &[f32],
     expand: &(dyn Fn(usize, &mut [f32]) + Sync),
 ) -> Vec<f32> {
-    let chunks: Vec<Vec<f32>> = (0..rows.div_ceil(CHUNK))
+    let chunks: Vec<Vec<f32>> = (0..rows.len().div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let rows = chunk * CHUNK..rows.min((chunk + 1) * CHUNK);
+            let first = rows.start + chunk * CHUNK;
+            let rows = first..rows.end.min(first + CHUNK);
             let mut values = vec![0.0; rows.len() * space.len];
             for (row, out) in rows.clone().zip(values.chunks_exact_mut(space.len)) {
                 expand(row, out);

@@ -62,7 +62,7 @@ impl Survey {
         params: SurveyParams,
         progress: &(dyn Fn(usize) + Sync),
     ) -> Result<Self, VqError> {
-        check_alike(sets)?;
+        TexelSet::check_alike(sets)?;
         let first = &sets[0];
         let (grid, encoding) = (*first.grid(), first.encoding());
         let root_weights = root_weights(sets, encoding);
@@ -125,27 +125,6 @@ impl Survey {
             }
         }
     }
-}
-
-fn check_alike(sets: &[TexelSet<'_>]) -> Result<(), VqError> {
-    let (grid, encoding) = (sets[0].grid(), sets[0].encoding());
-    for set in sets {
-        if set.encoding() != encoding {
-            return Err(VqError::Mixed {
-                what: "encodings",
-                found: format!("{:?}", set.encoding()),
-                expected: format!("{encoding:?}"),
-            });
-        }
-        if set.grid() != grid {
-            return Err(VqError::Mixed {
-                what: "grids",
-                found: format!("{:?}", set.grid()),
-                expected: format!("{grid:?}"),
-            });
-        }
-    }
-    Ok(())
 }
 
 /// Mean weights of the sets' nodes, times those of channels, as roots.

@@ -173,6 +173,32 @@ impl TexelSet<'_> {
         }
     }
 
+    /// Whether sets can share books.
+    ///
+    /// # Errors
+    ///
+    /// [`VqError::Mixed`] where grids or encodings differ.
+    pub fn check_alike(sets: &[Self]) -> Result<(), VqError> {
+        let (grid, encoding) = (sets[0].grid(), sets[0].encoding());
+        for set in sets {
+            if set.encoding() != encoding {
+                return Err(VqError::Mixed {
+                    what: "encodings",
+                    found: format!("{:?}", set.encoding()),
+                    expected: format!("{encoding:?}"),
+                });
+            }
+            if set.grid() != grid {
+                return Err(VqError::Mixed {
+                    what: "grids",
+                    found: format!("{:?}", set.grid()),
+                    expected: format!("{grid:?}"),
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// Pairs of view and light without an image, whose values are interpolated.
     pub fn filled(&self) -> usize {
         match self {

@@ -7,10 +7,10 @@ mod support;
 use std::sync::Arc;
 
 use btf_vq::{
-    AngularGrid, BookSizes, Books, Chroma, CodeSet, Encoding, IndexBook, LightParametrization,
-    LpcaModel, Material, Measure, NodeTable, PaperParams, Resampler, ScaleBits, Survey,
-    SurveyParams, Taps, TexelSet, TextureInfo, VqError, VqModel, choose_sizes, colour,
-    encode_paper, encode_refined, fit_lpca,
+    AngularGrid, BookSizes, Books, Chroma, CodeSet, Encoded, Encoding, IndexBook,
+    LightParametrization, LpcaModel, Material, Measure, NodeTable, PaperParams, Resampler,
+    ScaleBits, Survey, SurveyParams, Taps, TexelSet, TextureInfo, VqError, VqModel, choose_sizes,
+    colour, encode_paper, encode_refined, fit_lpca,
 };
 use glam::DVec3;
 use proptest::prelude::*;
@@ -28,7 +28,7 @@ fn survey(source: &Formula, resampler: &Resampler) -> Survey {
 fn refined(source: &Formula) -> VqModel {
     let resampler = resampler(source);
     let encoded =
-        encode_refined(&survey(source, &resampler), &SIZES, empty(source, Chroma::Relative));
+        encode_refined(&[survey(source, &resampler)], &SIZES, empty(source, Chroma::Relative));
     let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(source, texture)];
@@ -140,7 +140,7 @@ fn slices_of_unpacked_books_have_unit_integrals() {
     let source = Formula::new(8, 0.2, Encoding::Srgb);
     let resampler = resampler(&source);
     let encoded =
-        encode_refined(&survey(&source, &resampler), &SIZES, empty(&source, Chroma::Relative));
+        encode_refined(&[survey(&source, &resampler)], &SIZES, empty(&source, Chroma::Relative));
     let mut books = encoded.books;
     let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
     books.normalise(&mut [material(&source, texture)]);
@@ -199,7 +199,7 @@ fn books_grow_without_changing_the_rows_they_have() {
 
     let (books, mut materials) = refined(&first).unpack();
     let sizes = BookSizes { p4: 16, p3: 40, p2: 30, p1: 20, i2: 4, i1: 4, c: 4 };
-    let added = encode_refined(&survey(&second, &second_resampler), &sizes, books.clone());
+    let added = encode_refined(&[survey(&second, &second_resampler)], &sizes, books.clone());
     let texture = IndexBook { len: 1, index: added.index, scale: added.scale };
     assert!(starts_with(&added.books.p4, &books.p4) && starts_with(&added.books.m, &books.m));
     assert!(starts_with(&added.books.p2, &books.p2) && starts_with(&added.books.i2, &books.i2));
@@ -228,6 +228,32 @@ fn books_grow_without_changing_the_rows_they_have() {
 }
 
 #[test]
+fn textures_share_all_books_but_rows_of_p4() {
+    let sources = [Formula::new(12, 0.2, Encoding::Srgb), Formula::new(8, 0.0, Encoding::Srgb)];
+    let surveys = sources.each_ref().map(|source| survey(source, &resampler(source)));
+    let sizes = BookSizes { p4: 65, ..SIZES };
+    let Encoded { mut books, index, scale, .. } =
+        encode_refined(&surveys, &sizes, empty(&sources[0], Chroma::Relative));
+    // 144 and 64 texels share 65 rows in proportion.
+    assert_eq!((index.len(), books.p4.rows()), (208, 65));
+    let (first, second) = index.split_at(144);
+    assert!(first.iter().all(|row| *row < 45) && second.iter().all(|row| (45..65).contains(row)));
+    let textures = [(first, &scale[..144]), (second, &scale[144..])];
+    let mut materials = [0, 1].map(|at| {
+        let (index, scale) = textures[at];
+        let texture = IndexBook { len: 1, index: index.to_vec(), scale: scale.to_vec() };
+        material(&sources[at], texture)
+    });
+    books.normalise(&mut materials);
+    let model = VqModel::pack(&books, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap();
+    for (at, source) in sources.iter().enumerate() {
+        let decoder = model.decoder(at).unwrap();
+        let error = rms(source, |texel, taps| decoder.texel(0, texel, taps));
+        assert!(error < 0.036, "texture {at}: {error}");
+    }
+}
+
+#[test]
 fn tabulated_brdfs_are_texels_too() {
     let grid = AngularGrid { alphas: 23, betas: 23, thetas: 9, phis: 1, ..Default::default() };
     let brdf = |colour: [f32; 3], power: f64| {
@@ -245,11 +271,12 @@ fn tabulated_brdfs_are_texels_too() {
     }
     assert!(table.push(|_, _| [f32::NAN; 3]).is_err());
     assert_eq!(table.len(), 3);
-    let survey = Survey::of(&[TexelSet::Nodes(&table)], SurveyParams::default(), &|_| {}).unwrap();
+    let surveys =
+        [Survey::of(&[TexelSet::Nodes(&table)], SurveyParams::default(), &|_| {}).unwrap()];
     let bits = ScaleBits::refined(Encoding::Linear);
-    let sizes = choose_sizes(&survey, &bits, 100_000).unwrap();
+    let sizes = choose_sizes(&surveys, &bits, 100_000).unwrap();
     let empty = Books::new(grid, Encoding::Linear, Chroma::Relative);
-    let encoded = encode_refined(&survey, &sizes, empty);
+    let encoded = encode_refined(&surveys, &sizes, empty);
     let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
     let info = TextureInfo {
         name: "three".to_owned(),

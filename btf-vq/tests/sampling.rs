@@ -16,9 +16,9 @@ fn model() -> VqModel {
     let resampler = resampler(&source);
     let sets = [TexelSet::Images { source: &source, resampler: &resampler }];
     let params = SurveyParams { dims: 40, sample: 64 };
-    let survey = Survey::of(&sets, params, &|_| {}).unwrap();
+    let surveys = [Survey::of(&sets, params, &|_| {}).unwrap()];
     let sizes = BookSizes { p4: 32, p3: 100, p2: 100, p1: 80, i2: 8, i1: 8, c: 8 };
-    let encoded = encode_refined(&survey, &sizes, empty(&source, Chroma::Relative));
+    let encoded = encode_refined(&surveys, &sizes, empty(&source, Chroma::Relative));
     let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(&source, texture)];

@@ -225,37 +225,25 @@ impl Job<'_> {
         Ok(BtfModel::Vq(VqModel::pack(&books, &materials, bits)?))
     }
 
-    fn survey(
-        &self,
-        sets: &[TexelSet<'_>],
-        progress: &Progress,
-    ) -> anyhow::Result<(Survey, Vec<String>)> {
+    /// A survey of texels that have a subspace in common.
+    fn survey(&self, sets: &[TexelSet<'_>], progress: &Progress) -> anyhow::Result<Survey> {
         progress.step("resampling");
-        let survey = Survey::of(sets, SurveyParams::default(), &|n| progress.done(n as u64))?;
-        let mut notes = Vec::new();
-        let filled: usize = sets.iter().map(TexelSet::filled).sum();
-        if filled > 0 {
-            notes.push(format!("{filled} pairs of view and light were interpolated"));
-        }
-        if survey.clamped > 0 {
-            notes.push(format!(
-                "{} nodes with luminance that interpolation made negative, set to 0",
-                survey.clamped
-            ));
-        }
-        Ok((survey, notes))
+        Ok(Survey::of(sets, SurveyParams::default(), &|n| progress.done(n as u64))?)
     }
 
     fn refined(&self, sets: &[TexelSet<'_>]) -> anyhow::Result<(BtfModel, Vec<String>)> {
+        TexelSet::check_alike(sets)?;
         let texels = self.inputs.texels() as u64;
         let progress = Progress::new(3 * texels);
-        let (survey, notes) = self.survey(sets, &progress)?;
-        let bits = ScaleBits::refined(survey.encoding());
+        let surveys = self.inputs.by_texture(sets).map(|sets| self.survey(sets, &progress));
+        let surveys = surveys.collect::<Result<Vec<_>, _>>()?;
+        let notes = notes(sets, &surveys);
+        let bits = ScaleBits::refined(sets[0].encoding());
         progress.step("choosing sizes");
-        let sizes = choose_sizes(&survey, &bits, self.target())?;
+        let sizes = choose_sizes(&surveys, &bits, self.target())?;
         progress.step("building books");
         progress.done(texels);
-        let model = self.build(&survey, &sizes, bits)?;
+        let model = self.build(&surveys, &sizes, bits)?;
         let bytes = btf_model_to_bytes(&model, &self.record())?.len();
         let before = self.start.as_ref().map_or(0, |start| start.bytes);
         let target = usize::try_from(self.target())? + before;
@@ -274,17 +262,17 @@ impl Job<'_> {
         }
         #[expect(clippy::cast_precision_loss, reason = "a ratio of bytes")]
         let share = (target - fixed) as f64 / (bytes - fixed) as f64;
-        Ok((self.build(&survey, &sizes.times(share), bits)?, notes))
+        Ok((self.build(&surveys, &sizes.times(share), bits)?, notes))
     }
 
     fn build(
         &self,
-        survey: &Survey,
+        surveys: &[Survey],
         sizes: &BookSizes,
         bits: ScaleBits,
     ) -> anyhow::Result<BtfModel> {
-        let encoded =
-            encode_refined(survey, sizes, self.books(survey.encoding(), Chroma::Relative));
+        let books = self.books(surveys[0].encoding(), Chroma::Relative);
+        let encoded = encode_refined(surveys, sizes, books);
         let rows = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
         self.pack(encoded.books, &rows, bits)
     }
@@ -306,12 +294,29 @@ impl Job<'_> {
 
     fn lpca(&self, sets: &[TexelSet<'_>]) -> anyhow::Result<(BtfModel, Vec<String>)> {
         let progress = Progress::new(2 * self.inputs.texels() as u64);
-        let (survey, notes) = self.survey(sets, &progress)?;
+        let survey = self.survey(sets, &progress)?;
+        let notes = notes(sets, std::slice::from_ref(&survey));
         progress.step("fitting components");
         let fit = fit_lpca(&survey, usize::try_from(self.target())?, 1)?;
         let model = LpcaModel::pack(&survey, &fit, self.inputs.infos.clone())?;
         Ok((BtfModel::Lpca(model), notes))
     }
+}
+
+/// What should be said about resampling.
+fn notes(sets: &[TexelSet<'_>], surveys: &[Survey]) -> Vec<String> {
+    let filled: usize = sets.iter().map(TexelSet::filled).sum();
+    let clamped: u64 = surveys.iter().map(|survey| survey.clamped).sum();
+    let mut notes = Vec::new();
+    if filled > 0 {
+        notes.push(format!("{filled} pairs of view and light were interpolated"));
+    }
+    if clamped > 0 {
+        notes.push(format!(
+            "{clamped} nodes with luminance that interpolation made negative, set to 0"
+        ));
+    }
+    notes
 }
 
 impl Made {

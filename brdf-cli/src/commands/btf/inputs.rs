@@ -136,6 +136,23 @@ impl Inputs {
         self.infos.iter().flat_map(TextureInfo::level_lens).sum()
     }
 
+    /// The sets of [`Inputs::with_sets`] of each texture; those of BRDFs, of one texel, all together.
+    pub(super) fn by_texture<'s, 'a>(
+        &self,
+        sets: &'s [TexelSet<'a>],
+    ) -> impl Iterator<Item = &'s [TexelSet<'a>]> {
+        let infos = match self.data {
+            Data::Images(_) => self.infos.as_slice(),
+            Data::Brdfs(_) => &self.infos[..1],
+        };
+        let mut first = 0;
+        infos.iter().map(move |info| {
+            let own = &sets[first..first + info.levels];
+            first += info.levels;
+            own
+        })
+    }
+
     /// What `f` makes of the texels: those of each texture's levels, one after another.
     pub(super) fn with_sets<T>(
         &self,

@@ -261,9 +261,10 @@ impl Bench<'_> {
         let row = match method {
             Method::Refined => {
                 let bits = ScaleBits::refined(survey.encoding());
-                let sizes = choose_sizes(survey, &bits, bytes as u64)?;
+                let surveys = std::slice::from_ref(survey);
+                let sizes = choose_sizes(surveys, &bits, bytes as u64)?;
                 let empty = Books::new(self.inputs.grid, survey.encoding(), Chroma::Relative);
-                let encoded = encode_refined(survey, &sizes, empty);
+                let encoded = encode_refined(surveys, &sizes, empty);
                 let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
                 self.model_row(method, &self.pack(encoded.books, texture, bits)?)?
             }
