@@ -1,8 +1,10 @@
 //! The columns of the design matrix that belong to one factor: where every sample reads its
 //! texture, and how the texture is smoothed.
 
+use glam::DVec2;
+
 use crate::coordinate::Reading;
-use crate::{Coordinate, Factor, FactorDescription, Problem};
+use crate::{Coordinate, Factor, FactorDescription, Grid, Problem};
 
 /// Every texel is also pulled towards zero, with this share of the mean weight per texel: enough
 /// to settle what the samples leave open (constants moving between factors), too little to show.
@@ -57,7 +59,8 @@ impl Tap {
 /// One factor's part of A.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    description: FactorDescription,
+    /// None for a texture of a surface.
+    description: Option<FactorDescription>,
     /// For each texel, its unknown.
     unknown_of: Vec<Option<u32>>,
     /// For each unknown, the unknowns of its texel's neighbours.
@@ -86,18 +89,65 @@ impl Neighbours {
 
 impl Columns {
     pub(crate) fn new(problem: &Problem, factor: &Factor) -> Self {
-        let grid = factor.grid();
-        let mut unknowns = 0;
-        let unknown_of: Vec<Option<u32>> = factor
-            .mask()
-            .into_iter()
-            .map(|masked| {
-                masked.then(|| {
-                    unknowns += 1;
-                    unknowns - 1
-                })
+        let unknown_of = numbered(factor.mask());
+        let taps = factor
+            .coordinates()
+            .iter()
+            .map(|coordinate| taps(problem, factor, coordinate, &unknown_of))
+            .collect();
+        let description = Some(factor.description().clone());
+        Self::assemble(problem, description, factor.grid(), unknown_of, taps)
+    }
+
+    /// Those of a texture over a surface, one place of [0, 1]² for each sample of the problem, in the
+    /// order of [`Problem::pairs`]. The first and the last column are one place where u `wraps`.
+    pub(crate) fn of_surface(
+        problem: &Problem,
+        size: usize,
+        places: &[DVec2],
+        wraps: bool,
+    ) -> Self {
+        let grid = Grid { dimensions: 2, size };
+        let unknown_of = numbered(vec![true; grid.texels()]);
+        let taps = places
+            .iter()
+            .map(|place| {
+                let ((column, u), (row, v)) = (grid.along(place.x), grid.along(place.y));
+                let corner = row * size + column;
+                let [low, high] = [corner, corner + size].map(|texel| unknown_of[texel]);
+                Tap { low: low.unwrap_or_default(), high: high.unwrap_or_default(), u, v }
             })
             .collect();
+        let mut columns = Self::assemble(problem, None, grid, unknown_of, vec![taps]);
+        if wraps {
+            columns.join_first_and_last(size);
+        }
+        columns
+    }
+
+    /// Makes neighbours of the ends of every row.
+    fn join_first_and_last(&mut self, size: usize) {
+        for row in 0..size {
+            let ends = [row * size, row * size + size - 1];
+            for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
+                let around = &mut self.neighbours[own];
+                if let (Some(free), Ok(other)) =
+                    (around.unknowns.get_mut(around.count), u32::try_from(other))
+                {
+                    *free = other;
+                    around.count += 1;
+                }
+            }
+        }
+    }
+
+    fn assemble(
+        problem: &Problem,
+        description: Option<FactorDescription>,
+        grid: Grid,
+        unknown_of: Vec<Option<u32>>,
+        taps: Vec<Vec<Tap>>,
+    ) -> Self {
         let neighbours = (0..grid.texels())
             .filter(|&texel| unknown_of[texel].is_some())
             .map(|texel| {
@@ -109,16 +159,11 @@ impl Columns {
                 found
             })
             .collect();
-        let taps = factor
-            .coordinates()
-            .iter()
-            .map(|coordinate| taps(problem, factor, coordinate, &unknown_of))
-            .collect();
         #[expect(clippy::cast_precision_loss, reason = "textures have at most a million texels")]
         let (texels, last) = (grid.texels() as f64, (grid.size - 1) as f64);
         let per_texel = problem.total_weight() / texels;
         Self {
-            description: factor.description().clone(),
+            description,
             unknown_of,
             neighbours,
             taps,
@@ -128,9 +173,9 @@ impl Columns {
         }
     }
 
-    /// The coordinates that read the texture, and how they are scaled.
-    pub fn description(&self) -> &FactorDescription {
-        &self.description
+    /// The coordinates that read the texture, and how they are scaled; none for a texture of a surface.
+    pub fn description(&self) -> Option<&FactorDescription> {
+        self.description.as_ref()
     }
 
     /// Number of texels that are solved for.
@@ -275,6 +320,16 @@ impl Columns {
         }
         norms
     }
+}
+
+/// Numbers of the unknowns of masked texels.
+fn numbered(mask: Vec<bool>) -> Vec<Option<u32>> {
+    let mut unknowns = 0;
+    let mut number = || {
+        unknowns += 1;
+        unknowns - 1
+    };
+    mask.into_iter().map(|masked| masked.then(&mut number)).collect()
 }
 
 /// The loop of [`Columns::add_transposed_rows`], compiled once for each instruction set.

@@ -63,6 +63,14 @@ pub enum FactorError {
         /// Where the factorization stopped.
         pivot: usize,
     },
+    /// A matrix was inverted for other samples.
+    #[error(
+        "these {samples} samples do not lie where those of the basis lie, or the factors are others;          make a basis for them"
+    )]
+    OtherSampling {
+        /// How many there are now.
+        samples: usize,
+    },
     /// A solver was asked for more than it can hold.
     #[error(
         "{unknowns} unknowns are too many for a dense Cholesky factorization (at most {max}); \

@@ -200,7 +200,7 @@ fn solve(
     }
     let mut all = earlier.to_vec();
     all.extend(factors);
-    settle_constants(&mut all)?;
+    settle_constants(&mut all, [0.0; 4])?;
     Ok(Fit {
         model: FactoredBrdf::new(all, problem.maps().to_vec(), problem.theta_max())?,
         samples_used: problem.len(),
@@ -245,7 +245,7 @@ fn refuse_free_texels(untouched: &[Vec<usize>], factors: &[Factor]) -> Result<()
 }
 
 /// Narrows log texels to f32 and fills those outside the mask.
-fn store(factor: &mut Factor, texels: &[[f64; 4]]) -> Result<(), FactorError> {
+pub(crate) fn store(factor: &mut Factor, texels: &[[f64; 4]]) -> Result<(), FactorError> {
     #[expect(clippy::cast_possible_truncation, reason = "textures are stored as f32")]
     let mut narrow: Vec<[f32; 4]> = texels.iter().map(|texel| texel.map(|v| v as f32)).collect();
     factor.grid().fill_unmasked(&factor.mask(), &mut narrow);
@@ -253,11 +253,13 @@ fn store(factor: &mut Factor, texels: &[[f64; 4]]) -> Result<(), FactorError> {
 }
 
 /// Moves constants so that every factor but the first has zero mean log over its mask: what the
-/// product leaves open is settled the same way every time.
-fn settle_constants(factors: &mut [Factor]) -> Result<(), FactorError> {
+/// product leaves open is settled the same way every time. The first also takes `moved`.
+pub(crate) fn settle_constants(
+    factors: &mut [Factor],
+    mut moved: [f64; 4],
+) -> Result<(), FactorError> {
     #[expect(clippy::cast_precision_loss, reason = "few coordinates, at most a million texels")]
     let real = |count: usize| count as f64;
-    let mut moved = [0.0; 4];
     for index in (0..factors.len()).rev() {
         let factor = &mut factors[index];
         let uses = real(factor.coordinates().len());

@@ -84,6 +84,11 @@ impl NormalEquations {
         Self { columns: self.columns[..count].to_vec(), blocks: self.blocks[..count].to_vec() }
     }
 
+    /// The lower triangle of the whole matrix, column by column.
+    pub(crate) fn lower(&self) -> Vec<f64> {
+        self.assemble(0, Vec::new())
+    }
+
     /// The Cholesky factor of the whole matrix. It lives in `buffer`, whatever that held.
     ///
     /// # Errors
@@ -195,14 +200,31 @@ impl CholeskyFactor {
 
     /// Replaces right-hand sides, one per column, by their solutions.
     pub fn solve_in_place(&self, sides: MatMut<'_, f64>) {
-        let par = Par::Seq;
-        let scratch = llt::solve::solve_in_place_scratch::<f64>(self.size, sides.ncols(), par);
-        llt::solve::solve_in_place(
-            self.lower(),
-            sides,
-            par,
-            MemStack::new(&mut MemBuffer::new(scratch)),
-        );
+        let mut scratch = self.scratch(sides.ncols());
+        self.solve_with(sides, &mut scratch);
+    }
+
+    /// Memory for [`CholeskyFactor::solve_with`] and this many right-hand sides.
+    pub(crate) fn scratch(&self, sides: usize) -> MemBuffer {
+        MemBuffer::new(llt::solve::solve_in_place_scratch::<f64>(self.size, sides, Par::Seq))
+    }
+
+    /// [`CholeskyFactor::solve_in_place`] without allocating.
+    pub(crate) fn solve_with(&self, sides: MatMut<'_, f64>, scratch: &mut MemBuffer) {
+        llt::solve::solve_in_place(self.lower(), sides, Par::Seq, MemStack::new(scratch));
+    }
+
+    /// The factor, column by column; what lies above the diagonal means nothing.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// A factor from its columns, as [`CholeskyFactor::values`] gave them.
+    pub fn from_values(values: Vec<f64>) -> Option<Self> {
+        let size = values.len().isqrt();
+        let diagonal = (0..size).map(|at| values[at * size + at]);
+        (size * size == values.len() && diagonal.into_iter().all(|v| v > 0.0 && v.is_finite()))
+            .then_some(Self { size, values })
     }
 }
 

@@ -202,6 +202,11 @@ impl Problem {
         &self.space(space).points
     }
 
+    /// For each sample its place in the order in which they were handed in.
+    pub(crate) fn origin(&self) -> &[usize] {
+        &self.origin
+    }
+
     /// One value per sample, brought back to the order in which the samples were handed in.
     pub fn in_given_order(&self, values: &[f64]) -> Vec<f64> {
         let mut places: Vec<usize> = (0..self.len()).collect();

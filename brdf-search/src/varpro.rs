@@ -404,8 +404,9 @@ impl<'a> Level<'a> {
         columns: &Columns,
         tangent: &Tangent,
     ) -> Vec<(usize, [[[f64; 4]; 2]; DIRECTIONS])> {
-        let FactorDescription { coordinates, bound, radii, .. } = columns.description();
-        let extent = columns.description().extent.to_array();
+        let Some(description) = columns.description() else { return Vec::new() };
+        let FactorDescription { coordinates, bound, radii, extent, .. } = description;
+        let extent = extent.to_array();
         let planes: Vec<[DVec4; 2]> = coordinates
             .iter()
             .filter_map(|coordinate| match coordinate {

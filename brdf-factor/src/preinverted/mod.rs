@@ -1,0 +1,406 @@
+//! Factorization with the matrix inverted beforehand: where samples lie stays, their values change.
+//!
+//! The constraint matrix depends on positions and coordinates alone. Inverted once, each new set of
+//! values costs a product with its transpose and two triangular solves, or a product with a basis.
+//!
+//! Source: Jaroszkiewicz and McCool 2003, section 3.2.
+
+mod basis;
+mod key;
+
+use std::fmt;
+use std::sync::Arc;
+
+use faer::MatMut;
+use faer::dyn_stack::MemBuffer;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+pub use basis::{Damping, SpectralBasis};
+
+use crate::factorization::{settle_constants, store};
+use crate::{
+    ChannelMap, CholeskyFactor, Columns, Factor, FactorError, FactorSpec, FactoredBrdf,
+    LinearSystem, LogMap, NormalEquations, Problem, Solver, SurfaceProduct, SurfaceTexture, Weight,
+};
+
+/// The factors that are solved for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Factors of directions and the texels along a side of each.
+    pub factors: Vec<(FactorSpec, usize)>,
+    /// A factor over the surface: texels a side, and whether u wraps around.
+    pub surface: Option<(usize, bool)>,
+}
+
+impl Plan {
+    /// Factors of one size, none over the surface.
+    pub fn of(specs: &[FactorSpec], size: usize) -> Self {
+        Self { factors: specs.iter().map(|spec| (spec.clone(), size)).collect(), surface: None }
+    }
+
+    /// The same beside a factor over the surface.
+    #[must_use]
+    pub fn with_surface(self, size: usize, wraps: bool) -> Self {
+        Self { surface: Some((size, wraps)), ..self }
+    }
+}
+
+/// How the matrix is inverted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Inversion {
+    /// A Cholesky factor of the normal equations: the least-squares solution.
+    Cholesky,
+    /// The leading singular vectors of the constraint matrix: regularized solutions, and coefficients
+    /// that stand for a material.
+    Svd {
+        /// How many at most; those below 1e-7 of the largest singular value are left out.
+        components: usize,
+        /// What becomes of small singular values.
+        damping: Damping,
+    },
+}
+
+/// An inverted matrix.
+#[derive(Clone, Debug)]
+pub enum Inverse {
+    /// See [`Inversion::Cholesky`].
+    Cholesky(CholeskyFactor),
+    /// See [`Inversion::Svd`].
+    Svd(SpectralBasis),
+}
+
+impl Inverse {
+    fn unknowns(&self) -> usize {
+        match self {
+            Self::Cholesky(factor) => factor.values().len().isqrt(),
+            Self::Svd(basis) => basis.unknowns(),
+        }
+    }
+}
+
+/// Solves for factors of samples at fixed places.
+#[derive(Clone, Debug)]
+pub struct Preinverted {
+    plan: Plan,
+    key: String,
+    factors: Vec<Factor>,
+    columns: Vec<Arc<Columns>>,
+    /// For each sample, as columns count them, its place among those handed in.
+    order: Vec<usize>,
+    ones: Vec<f64>,
+    theta_max: f64,
+    inverse: Inverse,
+}
+
+/// Memory of one solution, used again for the next.
+pub struct Workspace {
+    channels: usize,
+    /// `[sample][channel]`.
+    targets: Vec<f64>,
+    /// Aᵀ of the targets, `[unknown][channel]`.
+    products: Vec<f64>,
+    /// `[channel][unknown]`.
+    solution: Vec<f64>,
+    /// `[channel][component]`.
+    coefficients: Vec<f64>,
+    scratch: MemBuffer,
+}
+
+impl Preinverted {
+    /// Inverts the matrix of a problem's samples; its values do not matter. `places` are the texture
+    /// coordinates of the samples in the order in which they were handed in, where the plan has a factor
+    /// over the surface.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Option`] where weights or the log map depend on values;
+    /// [`FactorError::TextureSize`], [`FactorError::Factors`], [`FactorError::Singular`];
+    /// [`FactorError::TooManyUnknowns`].
+    pub fn new(
+        problem: &Problem,
+        places: &[DVec2],
+        plan: Plan,
+        inversion: Inversion,
+    ) -> Result<Self, FactorError> {
+        let (factors, columns) = layout(problem, places, &plan)?;
+        let unknowns: usize = columns.iter().map(|columns| columns.unknowns()).sum();
+        if unknowns > Solver::MAX_DENSE {
+            return Err(FactorError::TooManyUnknowns { unknowns, max: Solver::MAX_DENSE });
+        }
+        let ones = vec![1.0; problem.len()];
+        let equations = NormalEquations::new(columns.clone(), &ones);
+        let inverse = match inversion {
+            Inversion::Cholesky => Inverse::Cholesky(equations.factorize(Vec::new())?),
+            Inversion::Svd { components, damping } => {
+                Inverse::Svd(SpectralBasis::new(&equations, components, damping)?)
+            }
+        };
+        let key = key::of(problem, places, &plan);
+        Ok(Self::assemble(problem, plan, key, factors, columns, inverse))
+    }
+
+    /// One that was made before, for the same samples: what [`Preinverted::key`] gave then must be that
+    /// of this problem.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::OtherSampling`] unless positions, plan, bound, grazing limit and smoothing are the same;
+    /// else as [`Preinverted::new`].
+    pub fn restore(
+        problem: &Problem,
+        places: &[DVec2],
+        plan: Plan,
+        inverse: Inverse,
+        key: &str,
+    ) -> Result<Self, FactorError> {
+        let (factors, columns) = layout(problem, places, &plan)?;
+        let own = key::of(problem, places, &plan);
+        let unknowns: usize = columns.iter().map(|columns| columns.unknowns()).sum();
+        if own != key || inverse.unknowns() != unknowns {
+            return Err(FactorError::OtherSampling { samples: problem.len() });
+        }
+        Ok(Self::assemble(problem, plan, own, factors, columns, inverse))
+    }
+
+    fn assemble(
+        problem: &Problem,
+        plan: Plan,
+        key: String,
+        factors: Vec<Factor>,
+        columns: Vec<Arc<Columns>>,
+        inverse: Inverse,
+    ) -> Self {
+        Self {
+            plan,
+            key,
+            factors,
+            columns,
+            order: problem.origin().to_vec(),
+            ones: vec![1.0; problem.len()],
+            theta_max: problem.theta_max(),
+            inverse,
+        }
+    }
+
+    /// The factors.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// A hash of all that the inverse depends on: positions in their order, texture coordinates, factors
+    /// and their sizes, bound, grazing limit and smoothing.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// The inverse, to be kept for [`Preinverted::restore`].
+    pub fn inverse(&self) -> &Inverse {
+        &self.inverse
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Number of texels solved for.
+    pub fn unknowns(&self) -> usize {
+        self.columns.iter().map(|columns| columns.unknowns()).sum()
+    }
+
+    /// Texels that no sample touches; smoothing alone holds them. One list for each factor, that of the
+    /// surface last.
+    pub fn untouched_texels(&self) -> Vec<Vec<usize>> {
+        self.columns.iter().map(|columns| columns.untouched_texels(&self.ones)).collect()
+    }
+
+    /// Memory for solutions of this many channels.
+    pub fn workspace(&self, channels: usize) -> Workspace {
+        let unknowns = self.unknowns();
+        let (components, scratch) = match &self.inverse {
+            Inverse::Cholesky(factor) => (0, factor.scratch(channels)),
+            Inverse::Svd(basis) => (basis.components(), MemBuffer::new(Default::default())),
+        };
+        Workspace {
+            channels,
+            targets: vec![0.0; channels * self.samples()],
+            products: vec![0.0; channels * unknowns],
+            solution: vec![0.0; channels * unknowns],
+            coefficients: vec![0.0; channels * components],
+            scratch,
+        }
+    }
+
+    /// Solves for the factors of new values, in sr⁻¹ by channel in the order in which the samples were
+    /// handed in, each fitted through its map. Allocates nothing with a Cholesky factor.
+    ///
+    /// # Panics
+    ///
+    /// If the workspace is not one of [`Preinverted::workspace`], or unless there are as many channels
+    /// of values and maps as it has, and one value for each sample.
+    pub fn solve(&self, values: &[Vec<f64>], maps: &[ChannelMap], workspace: &mut Workspace) {
+        let channels = workspace.channels;
+        assert_eq!((values.len(), maps.len()), (channels, channels), "a map for each channel");
+        for (channel, (values, map)) in values.iter().zip(maps).enumerate() {
+            assert_eq!(values.len(), self.samples(), "a value for each sample");
+            let targets = workspace.targets[channel..].iter_mut().step_by(channels);
+            for (target, place) in targets.zip(&self.order) {
+                *target = map.forward(values[*place]);
+            }
+        }
+        workspace.products.fill(0.0);
+        let mut rest = workspace.products.as_mut_slice();
+        for columns in &self.columns {
+            let (own, others) = rest.split_at_mut(channels * columns.unknowns());
+            columns.add_transposed_rows(&self.ones, &workspace.targets, channels, own);
+            rest = others;
+        }
+        let unknowns = self.unknowns();
+        for (row, products) in workspace.products.chunks_exact(channels).enumerate() {
+            for (channel, value) in products.iter().enumerate() {
+                workspace.solution[channel * unknowns + row] = *value;
+            }
+        }
+        match &self.inverse {
+            Inverse::Cholesky(factor) => {
+                let sides = MatMut::from_column_major_slice_mut(
+                    &mut workspace.solution,
+                    unknowns,
+                    channels,
+                );
+                factor.solve_with(sides, &mut workspace.scratch);
+            }
+            Inverse::Svd(basis) => {
+                basis.coefficients(&workspace.solution, &mut workspace.coefficients);
+                basis.expand(&workspace.coefficients, &mut workspace.solution);
+            }
+        }
+    }
+
+    /// What the solution gives for the samples, as fitted, by channel in the order in which they were
+    /// handed in.
+    pub fn predictions(&self, workspace: &Workspace) -> Vec<Vec<f64>> {
+        let system = LinearSystem::new(self.columns.clone(), &self.ones);
+        workspace
+            .solution
+            .chunks_exact(self.unknowns())
+            .map(|x| {
+                let mut given = vec![0.0; self.samples()];
+                for (value, place) in system.predict(x).into_iter().zip(&self.order) {
+                    given[*place] = value;
+                }
+                given
+            })
+            .collect()
+    }
+
+    /// The model of a solution, whose values were fitted through these maps.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Factors`] unless there are one or three channels.
+    pub fn model(
+        &self,
+        workspace: &Workspace,
+        maps: &[ChannelMap],
+    ) -> Result<SurfaceProduct, FactorError> {
+        let unknowns = self.unknowns();
+        let mut factors = self.factors.clone();
+        let mut start = 0;
+        let mut texels_of = |columns: &Columns, count: usize| {
+            let mut texels = vec![[0.0_f64; 4]; count];
+            for (channel, x) in workspace.solution.chunks_exact(unknowns).enumerate() {
+                let own = columns.texels(&x[start..][..columns.unknowns()]);
+                texels.iter_mut().zip(own).for_each(|(t, v)| t[channel] = v.unwrap_or(0.0));
+            }
+            start += columns.unknowns();
+            texels
+        };
+        for (factor, columns) in factors.iter_mut().zip(&self.columns) {
+            let texels = texels_of(columns, factor.grid().texels());
+            store(factor, &texels)?;
+        }
+        let surface = self.plan.surface.zip(self.columns.last()).map(|((size, wraps), columns)| {
+            let mut texels = texels_of(columns, size * size);
+            let mean = take_out_mean(&mut texels);
+            #[expect(clippy::cast_possible_truncation, reason = "textures are stored as f32")]
+            let texels = texels.iter().map(|texel| texel.map(|v| v as f32)).collect();
+            (SurfaceTexture { size, wraps, texels }, mean)
+        });
+        settle_constants(&mut factors, surface.as_ref().map_or([0.0; 4], |(_, mean)| *mean))?;
+        let angular = FactoredBrdf::new(factors, maps.to_vec(), self.theta_max)?;
+        SurfaceProduct::new(angular, surface.map(|(surface, _)| surface))
+    }
+}
+
+impl fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Workspace");
+        debug.field("channels", &self.channels).field("solution", &self.solution);
+        debug.finish_non_exhaustive()
+    }
+}
+
+impl Workspace {
+    /// Log texels of all factors, `[channel][unknown]`, factor after factor and that of the surface last.
+    pub fn solution(&self) -> &[f64] {
+        &self.solution
+    }
+
+    /// Coefficients β, `[channel][component]`, which stand for the values where the basis is known;
+    /// none with a Cholesky factor.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+}
+
+/// Factors without texels, and where samples read them.
+fn layout(
+    problem: &Problem,
+    places: &[DVec2],
+    plan: &Plan,
+) -> Result<(Vec<Factor>, Vec<Arc<Columns>>), FactorError> {
+    let refuse = |option, expected| Err(FactorError::Option { option, value: f64::NAN, expected });
+    if problem.params().weight != Weight::Log {
+        return refuse("the weight", "`log`, which does not depend on values");
+    }
+    if problem.params().log_map == LogMap::Log {
+        return refuse("the log map", "one that drops no samples");
+    }
+    let factors: Vec<Factor> = plan
+        .factors
+        .iter()
+        .map(|(spec, size)| problem.empty_factor(spec, *size))
+        .collect::<Result<_, _>>()?;
+    let mut columns: Vec<Arc<Columns>> =
+        factors.iter().map(|factor| Arc::new(problem.columns(factor))).collect();
+    if let Some((size, wraps)) = plan.surface {
+        let (min, max) = (*crate::Grid::SIZES.start(), *crate::Grid::SIZES.end());
+        if !crate::Grid::SIZES.contains(&size) {
+            return Err(FactorError::TextureSize { size, min, max });
+        }
+        if places.len() != problem.len() {
+            return Err(FactorError::Factors {
+                found: format!("{} texture coordinates of {} samples", places.len(), problem.len()),
+                expected: "one place on the surface for each sample",
+            });
+        }
+        let sorted: Vec<DVec2> = problem.origin().iter().map(|at| places[*at]).collect();
+        columns.push(Arc::new(Columns::of_surface(problem, size, &sorted, wraps)));
+    }
+    Ok((factors, columns))
+}
+
+/// Makes the mean of each channel 0 and returns what it was.
+#[expect(clippy::cast_precision_loss, reason = "textures have at most a million texels")]
+fn take_out_mean(texels: &mut [[f64; 4]]) -> [f64; 4] {
+    let count = texels.len() as f64;
+    let mean: [f64; 4] =
+        std::array::from_fn(|channel| texels.iter().map(|t| t[channel]).sum::<f64>() / count);
+    for texel in texels {
+        texel.iter_mut().zip(mean).for_each(|(v, mean)| *v -= mean);
+    }
+    mean
+}

@@ -1,0 +1,97 @@
+//! A factor over a surface, and products that vary over it.
+//!
+//! Source: Jaroszkiewicz and McCool 2003, section 4.2.
+
+use brdf_model::{Brdf as _, Rgb};
+use brdf_param::DirectionPair;
+use glam::DVec2;
+
+use crate::{ChannelMap, FactorError, FactoredBrdf, Grid};
+
+/// Log values over texture coordinates (u, v) in [0, 1]².
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceTexture {
+    /// Texels a side; texel (i, j) lies at (i, j) / (size − 1).
+    pub size: usize,
+    /// The first and the last column are one place.
+    pub wraps: bool,
+    /// Row by row from v = 0, an entry for each channel and the rest 0.
+    pub texels: Vec<[f32; 4]>,
+}
+
+impl SurfaceTexture {
+    /// Adds the log values at a place, which is moved to the rim if it lies outside.
+    fn add_log_values(&self, uv: DVec2, sum: &mut [f64; 3]) {
+        let grid = Grid { dimensions: 2, size: self.size };
+        for (texel, weight) in grid.taps(2.0 * uv - DVec2::ONE).iter() {
+            for (total, &value) in sum.iter_mut().zip(&self.texels[texel]) {
+                *total += weight * f64::from(value);
+            }
+        }
+    }
+}
+
+/// A product of factors of directions and perhaps one of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceProduct {
+    angular: FactoredBrdf,
+    surface: Option<SurfaceTexture>,
+}
+
+impl SurfaceProduct {
+    /// Of these factors.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::TextureSize`], [`FactorError::Factors`] for a surface with other than size² texels.
+    pub fn new(
+        angular: FactoredBrdf,
+        surface: Option<SurfaceTexture>,
+    ) -> Result<Self, FactorError> {
+        if let Some(SurfaceTexture { size, texels, .. }) = &surface {
+            let (min, max) = (*Grid::SIZES.start(), *Grid::SIZES.end());
+            if !Grid::SIZES.contains(size) {
+                return Err(FactorError::TextureSize { size: *size, min, max });
+            }
+            if texels.len() != size * size {
+                return Err(FactorError::Factors {
+                    found: format!("{} texels of a surface of {size}²", texels.len()),
+                    expected: "size² texels",
+                });
+            }
+        }
+        Ok(Self { angular, surface })
+    }
+
+    /// The factors of directions.
+    pub fn angular(&self) -> &FactoredBrdf {
+        &self.angular
+    }
+
+    /// The factor of the surface.
+    pub fn surface(&self) -> Option<&SurfaceTexture> {
+        self.surface.as_ref()
+    }
+
+    /// Bytes of the textures as stored.
+    pub fn payload_bytes(&self) -> usize {
+        let surface = self.surface.as_ref().map_or(0, |surface| surface.texels.len());
+        self.angular.payload_bytes() + surface * self.angular.maps().len() * 4
+    }
+
+    /// f in sr⁻¹ at a place, 0 and above; 0 where a direction is not above the surface.
+    pub fn eval(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
+        let Some(surface) = &self.surface else { return self.angular.eval(pair) };
+        if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
+            return Rgb::BLACK;
+        }
+        let mut logs = self.angular.log_values(pair);
+        surface.add_log_values(uv, &mut logs);
+        let value = |map: &ChannelMap, log: f64| map.inverse(log).max(0.0);
+        match self.angular.maps() {
+            [map] => Rgb::splat(value(map, logs[0])),
+            [r, g, b] => Rgb::new(value(r, logs[0]), value(g, logs[1]), value(b, logs[2])),
+            _ => Rgb::BLACK,
+        }
+    }
+}
