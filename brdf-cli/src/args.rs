@@ -161,7 +161,8 @@ pub(crate) fn memory(text: &str) -> Result<usize, String> {
     }
 }
 
-fn two_angles(text: &str) -> Result<[f64; 2], String> {
+/// Two numbers.
+pub(crate) fn two_angles(text: &str) -> Result<[f64; 2], String> {
     let angles: Vec<f64> = text
         .split(',')
         .map(str::parse)

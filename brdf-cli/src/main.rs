@@ -4,6 +4,7 @@ mod args;
 mod choices;
 mod commands;
 mod fitting;
+mod meshes;
 mod numbers;
 mod pictures;
 mod progress;

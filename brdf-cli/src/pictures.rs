@@ -91,12 +91,10 @@ pub(crate) fn comparison(
 /// its difference from the first.
 pub(crate) fn line_up(
     materials: &[(String, &dyn Brdf)],
-    light: &Light,
-    view: &SphereView,
+    render: &dyn Fn(&dyn Brdf) -> Film,
     exposure: Option<f64>,
 ) -> DisplayImage {
-    let films: Vec<Film> =
-        materials.iter().map(|(_, brdf)| render_sphere(*brdf, light, view)).collect();
+    let films: Vec<Film> = materials.iter().map(|(_, brdf)| render(*brdf)).collect();
     let tone = match (exposure, films.first()) {
         (Some(exposure), _) => ToneMap { exposure },
         (None, Some(film)) => ToneMap::exposed_for(film),

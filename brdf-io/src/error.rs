@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use brdf_factor::FactorError;
 use brdf_model::ModelError;
 use brdf_param::ParamError;
+use brdf_render::MeshError;
 use brdf_separable::SeparableError;
 
 use crate::btf::BtfError;
@@ -73,6 +74,9 @@ pub enum FormatError {
         /// The first bytes, made printable.
         start: String,
     },
+    /// The triangles make no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// The numbers make no material.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -14,10 +14,13 @@
 //! ```
 
 mod built_in_light;
+mod camera;
 mod display;
 mod film;
 mod image_error;
 mod light;
+mod mesh;
+mod mesh_view;
 mod separable_view;
 mod shape;
 mod spatially_varying;
@@ -26,6 +29,7 @@ mod strip;
 mod texture_view;
 mod textured;
 
+pub use camera::Camera;
 pub use display::{DisplayImage, ToneMap, encode_srgb};
 pub use film::{Film, Pixel};
 pub use image_error::{
@@ -33,6 +37,8 @@ pub use image_error::{
     psnr_db, ssim_map,
 };
 pub use light::{DirectionalLight, Environment, EnvironmentError, Light};
+pub use mesh::{Mesh, MeshError, MeshHit, MeshNotes, Soup, SurfacePoint};
+pub use mesh_view::{MeshView, render_mesh};
 pub use separable_view::{Side, term_view};
 pub use shape::Shape;
 pub use spatially_varying::{SpatiallyVarying, TexturePoint, Uniform};

@@ -6,8 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::TexturePoint;
 use crate::sphere::{Frame, RADIUS};
+use crate::textured::Stage;
+use crate::{SpatiallyVarying, TexturePoint};
 
 /// What a material is laid on.
 ///
@@ -53,7 +54,8 @@ impl Shape {
 }
 
 /// A shape before its camera.
-pub(crate) struct Scene {
+pub(crate) struct Scene<'a> {
+    material: &'a dyn SpatiallyVarying,
     shape: Shape,
     rotation: DMat3,
     camera: Camera,
@@ -61,19 +63,23 @@ pub(crate) struct Scene {
     half_height: f64,
     tiles: f64,
     /// Pixels in a row.
-    pub(crate) columns: usize,
+    columns: usize,
     /// Rows of pixels: as many as the shape fills.
-    pub(crate) rows: usize,
+    rows: usize,
 }
 
 /// What a place in the picture shows, in axes of the camera.
-pub(crate) struct Hit {
+pub(crate) struct Hit<'a> {
     /// East, north and normal of the surface: x, y and z of the material.
     pub(crate) frame: Frame,
     /// Unit direction to the camera.
     pub(crate) to_camera: DVec3,
     /// Place of the tile.
     pub(crate) at: TexturePoint,
+    /// What it is made of.
+    pub(crate) material: &'a dyn SpatiallyVarying,
+    /// Where it is, in axes of the scene, a little above the surface.
+    pub(crate) position: DVec3,
 }
 
 /// A place of a surface, in axes of the shape.
@@ -88,9 +94,15 @@ struct Surface {
     density: DVec2,
 }
 
-impl Scene {
+impl<'a> Scene<'a> {
     /// Fits a picture of `columns` pixels in a row.
-    pub(crate) fn new(shape: Shape, tilt: f64, tiles: f64, columns: usize) -> Self {
+    pub(crate) fn new(
+        material: &'a dyn SpatiallyVarying,
+        shape: Shape,
+        tilt: f64,
+        tiles: f64,
+        columns: usize,
+    ) -> Self {
         let tilt = tilt.clamp(-STEEPEST, STEEPEST);
         let rotation = shape.rotation(tilt);
         let columns = columns.max(1);
@@ -101,11 +113,24 @@ impl Scene {
         };
         // The rim of the near side hangs below that of the silhouette by sin(tilt).
         let half_height = (2.0 - tilt.sin().abs()) / (2.0 * tilt.cos());
-        Self { shape, rotation, camera, half_height, tiles, columns, rows }
+        Self { material, shape, rotation, camera, half_height, tiles, columns, rows }
     }
 
-    /// What stands at a place, pixels from the top left, for samples `step` pixels apart.
-    pub(crate) fn hit(&self, column: f64, row: f64, step: f64) -> Option<Hit> {
+    fn surface(&self, origin: DVec3, direction: DVec3) -> Option<Surface> {
+        match self.shape {
+            Shape::Plane => plane(origin, direction, self.tiles),
+            Shape::Sphere => sphere(origin, direction, self.tiles),
+            Shape::Cylinder => cylinder(origin, direction, self.half_height, self.tiles),
+        }
+    }
+}
+
+impl Stage for Scene<'_> {
+    fn size(&self) -> (usize, usize) {
+        (self.columns, self.rows)
+    }
+
+    fn hit(&self, column: f64, row: f64, step: f64) -> Option<Hit<'_>> {
         let half = 0.5 * to_f64(self.columns);
         let place = DVec2::new(column - half, 0.5 * to_f64(self.rows) - row) / half;
         let (origin, direction) = self.camera.ray(place);
@@ -120,15 +145,18 @@ impl Scene {
         let side = step / half * self.camera.unit_at(depth);
         let footprint = footprint(&frame, direction, side, surface.density);
         let [u, v] = surface.uv.to_array().map(wrapped);
-        Some(Hit { frame, to_camera: -direction, at: TexturePoint { u, v, footprint } })
+        Some(Hit {
+            frame,
+            to_camera: -direction,
+            at: TexturePoint { u, v, footprint },
+            material: self.material,
+            position: origin + surface.distance * direction,
+        })
     }
 
-    fn surface(&self, origin: DVec3, direction: DVec3) -> Option<Surface> {
-        match self.shape {
-            Shape::Plane => plane(origin, direction, self.tiles),
-            Shape::Sphere => sphere(origin, direction, self.tiles),
-            Shape::Cylinder => cylinder(origin, direction, self.half_height, self.tiles),
-        }
+    /// Shapes are convex.
+    fn is_lit(&self, _hit: &Hit<'_>, _direction: DVec3) -> bool {
+        true
     }
 }
 
@@ -266,12 +294,20 @@ fn to_f64(count: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use brdf_model::Rgb;
+
     use super::*;
+
+    struct Nothing;
+
+    impl SpatiallyVarying for Nothing {
+        fn reflect(&self, _at: &TexturePoint, _wo: DVec3, _lights: &[DVec3], _out: &mut [Rgb]) {}
+    }
 
     const SHAPES: [Shape; 3] = [Shape::Plane, Shape::Sphere, Shape::Cylinder];
 
-    fn scene(shape: Shape) -> Scene {
-        Scene::new(shape, shape.default_tilt(), 2.0, 64)
+    fn scene(shape: Shape) -> Scene<'static> {
+        Scene::new(&Nothing, shape, shape.default_tilt(), 2.0, 64)
     }
 
     #[test]
@@ -282,7 +318,7 @@ mod tests {
             for index in 0..400_u32 {
                 let column = f64::from(index % 20) * 3.2;
                 let row = rows * (f64::from(index / 20) + 0.5) / 20.0;
-                let Some(Hit { frame, to_camera, at }) = scene.hit(column, row, 1.0) else {
+                let Some(Hit { frame, to_camera, at, .. }) = scene.hit(column, row, 1.0) else {
                     continue;
                 };
                 hits += 1;

@@ -46,20 +46,37 @@ pub fn render_textured(
     view: &TexturedView,
 ) -> Film {
     let tilt = view.tilt.unwrap_or_else(|| shape.default_tilt());
-    let scene = Scene::new(shape, tilt, view.tiles, view.size);
-    let pixels = (0..scene.rows)
+    let scene = Scene::new(material, shape, tilt, view.tiles, view.size);
+    render_stage(&scene, light, view.samples)
+}
+
+/// What a picture shows, and its camera.
+pub(crate) trait Stage: Sync {
+    /// Pixels in a row, and rows.
+    fn size(&self) -> (usize, usize);
+
+    /// What stands at a place, pixels from the top left, for samples `step` pixels apart.
+    fn hit(&self, column: f64, row: f64, step: f64) -> Option<Hit<'_>>;
+
+    /// Whether light arrives from a direction in axes of the camera.
+    fn is_lit(&self, hit: &Hit<'_>, direction: DVec3) -> bool;
+}
+
+pub(crate) fn render_stage(stage: &dyn Stage, light: &Light, samples: u32) -> Film {
+    let (columns, rows) = stage.size();
+    let pixels = (0..rows)
         .into_par_iter()
         .flat_map_iter(|row| {
-            let mut gather = Gather { material, light, samples: view.samples, lit: Lit::default() };
-            (0..scene.columns).map(|column| gather.pixel(&scene, column, row)).collect::<Vec<_>>()
+            let mut gather = Gather { stage, light, samples, lit: Lit::default() };
+            (0..columns).map(|column| gather.pixel(column, row)).collect::<Vec<_>>()
         })
         .collect();
-    Film::new(scene.columns, pixels)
+    Film::new(columns, pixels)
 }
 
 /// What one row of pixels shares.
 struct Gather<'a> {
-    material: &'a dyn SpatiallyVarying,
+    stage: &'a dyn Stage,
     light: &'a Light,
     samples: u32,
     lit: Lit,
@@ -77,14 +94,15 @@ struct Lit {
 
 impl Gather<'_> {
     #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
-    fn pixel(&mut self, scene: &Scene, column: usize, row: usize) -> Pixel {
-        let sobol = ScrambledSobol::new((row * scene.columns + column) as u64);
+    fn pixel(&mut self, column: usize, row: usize) -> Pixel {
+        let stage = self.stage;
+        let sobol = ScrambledSobol::new((row * stage.size().0 + column) as u64);
         let (mut sum, mut hits) = (Rgb::BLACK, 0_u32);
         for point in 0..POINTS {
             let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(SUPERSAMPLING);
             let x = column as f64 + offset(point % SUPERSAMPLING);
             let y = row as f64 + offset(point / SUPERSAMPLING);
-            let Some(hit) = scene.hit(x, y, 1.0 / f64::from(SUPERSAMPLING)) else { continue };
+            let Some(hit) = stage.hit(x, y, 1.0 / f64::from(SUPERSAMPLING)) else { continue };
             hits += 1;
             sum = sum + self.radiance(&hit, &sobol, point);
         }
@@ -95,16 +113,19 @@ impl Gather<'_> {
     }
 
     /// Radiance towards the camera.
-    fn radiance(&mut self, hit: &Hit, sobol: &ScrambledSobol, point: u32) -> Rgb {
+    fn radiance(&mut self, hit: &Hit<'_>, sobol: &ScrambledSobol, point: u32) -> Rgb {
         let wo = hit.frame.to_local(hit.to_camera);
         self.lit.clear();
         match self.light {
             Light::Directional(light) => {
-                self.lit.push(hit.frame.to_local(light.direction()), Rgb::splat(PI));
+                let wi = hit.frame.to_local(light.direction());
+                if wi.z > 0.0 && self.stage.is_lit(hit, light.direction()) {
+                    self.lit.push(wi, Rgb::splat(PI));
+                }
             }
             Light::Environment(environment) => self.draw(environment, hit, wo, sobol, point),
         }
-        self.lit.reflected(self.material, hit, wo)
+        self.lit.reflected(hit, wo)
     }
 
     /// Draws lights, one third each by the environment's brightness, the cosine, and the material's
@@ -113,7 +134,7 @@ impl Gather<'_> {
     fn draw(
         &mut self,
         environment: &Environment,
-        hit: &Hit,
+        hit: &Hit<'_>,
         wo: DVec3,
         sobol: &ScrambledSobol,
         point: u32,
@@ -125,11 +146,15 @@ impl Gather<'_> {
             let drawn = match index % 3 {
                 0 => Some(hit.frame.to_local(environment.sample(u, v))),
                 1 => Some(cosine_hemisphere(u, v).0),
-                _ => self.material.sample(&hit.at, wo, u, v).map(|(wi, _)| wi),
+                _ => hit.material.sample(&hit.at, wo, u, v).map(|(wi, _)| wi),
             };
             let Some(wi) = drawn.filter(|wi| wi.z > 0.0) else { continue };
-            let radiance = environment.radiance(hit.frame.to_world(wi));
-            let own = self.material.density(&hit.at, wo, wi);
+            let world = hit.frame.to_world(wi);
+            if !self.stage.is_lit(hit, world) {
+                continue;
+            }
+            let radiance = environment.radiance(world);
+            let own = hit.material.density(&hit.at, wo, wi);
             let density = (environment.density(radiance) + wi.z / PI + own) / 3.0;
             self.lit.push(wi, radiance / (density * f64::from(count)));
         }
@@ -150,13 +175,13 @@ impl Lit {
     }
 
     /// The sum of what the material makes of the lights.
-    fn reflected(&mut self, material: &dyn SpatiallyVarying, hit: &Hit, wo: DVec3) -> Rgb {
+    fn reflected(&mut self, hit: &Hit<'_>, wo: DVec3) -> Rgb {
         if self.directions.is_empty() {
             return Rgb::BLACK;
         }
         self.values.clear();
         self.values.resize(self.directions.len(), Rgb::BLACK);
-        material.reflect(&hit.at, wo, &self.directions, &mut self.values);
+        hit.material.reflect(&hit.at, wo, &self.directions, &mut self.values);
         self.values.iter().zip(&self.weights).map(|(&value, &weight)| value * weight).sum()
     }
 }

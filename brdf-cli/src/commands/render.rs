@@ -7,22 +7,25 @@ use std::process::ExitCode;
 use anyhow::bail;
 use brdf_io::write_atomically;
 use brdf_model::Brdf;
-use brdf_render::SphereView;
+use brdf_render::{MeshView, SphereView, Uniform, render_mesh, render_sphere};
 
-use crate::args::{ForceArgs, LightArgs, ReadArgs, positive};
+use crate::args::{ForceArgs, LightArgs, ReadArgs, positive, usage};
+use crate::meshes::{MeshArgs, open_mesh};
 use crate::pictures::{light, line_up, png};
 use crate::progress::Progress;
 use crate::subject::Subject;
 
-/// Render materials on spheres, side by side
+/// Render materials on spheres or on a mesh, side by side
 ///
-/// All pictures share camera, light and exposure: that which shows 99 % of the first sphere
+/// All pictures share camera, light and exposure: that which shows 99 % of the first picture
 /// unclipped, unless --exposure says otherwise. From the second material on, its difference from
 /// the first follows, brightened four times. Under an environment, scattered measurements take
 /// minutes. A directional light has irradiance π, so that a white
 /// diffuser facing it shows as 1. Pixels where a material has no data are chequered violet.
 ///
 /// Example: brdf render preset:ggx brdf-out/model.safetensors --env grace.hdr -o spheres.png
+///
+/// Example: brdf render preset:ggx --mesh bunny.ply --ground -o bunny.png
 #[derive(clap::Args)]
 pub(super) struct Render {
     /// Materials, the reference first
@@ -34,11 +37,14 @@ pub(super) struct Render {
     output: PathBuf,
 
     #[command(flatten)]
+    mesh: MeshArgs,
+
+    #[command(flatten)]
     light: LightArgs,
 
-    /// Side of each sphere's picture in pixels
-    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=4096))]
-    size: u32,
+    /// Side of each picture in pixels [default: 256, of a mesh 512]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    size: Option<u32>,
 
     /// Light samples per pixel under an environment
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
@@ -61,6 +67,9 @@ impl Render {
         if !is_png {
             bail!("{}: unknown extension; expected .png", self.output.display());
         }
+        if self.mesh.mesh.is_none() && self.mesh.view.is_given() {
+            return Err(usage("--view-deg and --ground: spheres have neither; give a --mesh"));
+        }
         let options = self.read.options();
         let subjects: Vec<Subject> = self
             .models
@@ -70,10 +79,30 @@ impl Render {
         let materials: Vec<(String, &dyn Brdf)> =
             subjects.iter().map(|s| (s.short_name(), s.brdf())).collect();
         let light = light(&self.light)?;
-        let view = SphereView { size: self.size as usize, samples: self.samples };
+        let mesh = match &self.mesh.mesh {
+            Some(path) => Some(open_mesh(path, self.mesh.uv)?),
+            None => None,
+        };
+        let size = self.size.map(|size| size as usize);
         let progress = Progress::new(1);
         progress.step("rendering");
-        let picture = line_up(&materials, &light, &view, self.exposure);
+        let render = |brdf: &dyn Brdf| match &mesh {
+            Some(mesh) => {
+                let view = MeshView {
+                    samples: self.samples,
+                    has_ground: self.mesh.view.ground,
+                    ..MeshView::default()
+                };
+                let view = MeshView { size: size.unwrap_or(view.size), ..view };
+                render_mesh(mesh, &Uniform(brdf), &light, &self.mesh.view.camera(mesh), &view)
+            }
+            None => {
+                let view = SphereView { samples: self.samples, ..SphereView::default() };
+                let view = SphereView { size: size.unwrap_or(view.size), ..view };
+                render_sphere(brdf, &light, &view)
+            }
+        };
+        let picture = line_up(&materials, &render, self.exposure);
         drop(progress);
         write_atomically(&self.output, &png(&picture)?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;

@@ -1,0 +1,88 @@
+//! Meshes that commands show materials on.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use brdf_io::read_mesh;
+use brdf_render::{Camera, Mesh};
+use clap::ValueEnum;
+use glam::DVec3;
+
+use crate::args::two_angles;
+
+/// A mesh and where it is seen from.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct MeshArgs {
+    /// Show the material on a mesh, PLY or OBJ, y up
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mesh: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) view: ViewArgs,
+
+    /// Texture coordinates of the mesh [default: the file's, or those of the sphere]
+    #[arg(long, value_enum, requires = "mesh")]
+    pub(crate) uv: Option<UvArg>,
+}
+
+/// Where a mesh is seen from, and what it stands on.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// Where the camera stands about the mesh: azimuth in degrees from +z towards +x, and elevation
+    /// [default: 20,15]
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION",
+        value_parser = two_angles,
+        allow_hyphen_values = true
+    )]
+    view_deg: Option<[f64; 2]>,
+
+    /// Stand the mesh on grey ground that takes its shadow
+    #[arg(long)]
+    pub(crate) ground: bool,
+}
+
+impl ViewArgs {
+    /// Whether anything was asked for.
+    pub(crate) fn is_given(&self) -> bool {
+        self.ground || self.view_deg.is_some()
+    }
+
+    /// A camera that shows all of a mesh.
+    pub(crate) fn camera(&self, mesh: &Mesh) -> Camera {
+        let [azimuth, elevation] = self.view_deg.unwrap_or([20.0, 15.0]).map(f64::to_radians);
+        let (sin, cos) = azimuth.sin_cos();
+        let from = DVec3::new(elevation.cos() * sin, elevation.sin(), elevation.cos() * cos);
+        Camera::around(mesh.centre(), mesh.radius(), from)
+    }
+}
+
+/// How a mesh comes by texture coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UvArg {
+    /// Longitude and latitude about the centre, which every mesh has
+    Sphere,
+    /// Unwrapped into charts that do not overlap
+    Atlas,
+    /// Those of the file
+    File,
+}
+
+/// Texels of the page that charts are packed on: distances between them hold for maps up to this size.
+const ATLAS_SIZE: usize = 256;
+
+/// Reads a mesh, says what was repaired, and gives it the texture coordinates asked for.
+pub(crate) fn open_mesh(path: &Path, uv: Option<UvArg>) -> anyhow::Result<Mesh> {
+    let (mesh, notes) = read_mesh(path)?;
+    for line in notes.lines() {
+        writeln!(std::io::stderr(), "{}: {line}", path.display())?;
+    }
+    Ok(match uv {
+        None => mesh,
+        Some(UvArg::Sphere) => mesh.with_sphere_coordinates(),
+        Some(UvArg::Atlas) => mesh.with_atlas(ATLAS_SIZE)?,
+        Some(UvArg::File) if mesh.has_own_coordinates() => mesh,
+        Some(UvArg::File) => return Err(brdf_render::MeshError::NoTextureCoordinates.into()),
+    })
+}
