@@ -178,6 +178,11 @@ impl Columns {
         self.description.as_ref()
     }
 
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.taps.first().map_or(0, Vec::len)
+    }
+
     /// Number of texels that are solved for.
     pub fn unknowns(&self) -> usize {
         self.neighbours.len()

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use brdf_model::{Dropped, SampleSet};
 use brdf_param::{DirectionPair, DiscRadii, Space, polar_angle};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::coordinate::Reading;
 use crate::{
@@ -203,7 +203,7 @@ impl Problem {
     }
 
     /// For each sample its place in the order in which they were handed in.
-    pub(crate) fn origin(&self) -> &[usize] {
+    pub fn origin(&self) -> &[usize] {
         &self.origin
     }
 
@@ -242,6 +242,18 @@ impl Problem {
     /// The columns of the design matrix that belong to a factor.
     pub fn columns(&self, factor: &Factor) -> Columns {
         Columns::new(self, factor)
+    }
+
+    /// The columns of a texture of `size`² texels over a surface, whose samples have these texture
+    /// coordinates in [0, 1]², in the order in which they were handed in. Its first and its last column are
+    /// neighbours where u `wraps`.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer places than samples were handed in, or the size is below 2.
+    pub fn surface_columns(&self, size: usize, places: &[DVec2], wraps: bool) -> Columns {
+        let sorted: Vec<DVec2> = self.origin.iter().map(|at| places[*at]).collect();
+        Columns::of_surface(self, size, &sorted, wraps)
     }
 
     fn space(&self, space: Space) -> &SpacePoints {

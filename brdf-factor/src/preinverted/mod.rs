@@ -200,6 +200,16 @@ impl Preinverted {
         &self.inverse
     }
 
+    /// The columns of the matrix, factor by factor, that of the surface last.
+    pub fn columns(&self) -> &[Arc<Columns>] {
+        &self.columns
+    }
+
+    /// For each sample, as columns count them, its place in the order in which they were handed in.
+    pub fn order(&self) -> &[usize] {
+        &self.order
+    }
+
     /// Number of samples.
     pub fn samples(&self) -> usize {
         self.order.len()
@@ -306,12 +316,30 @@ impl Preinverted {
         workspace: &Workspace,
         maps: &[ChannelMap],
     ) -> Result<SurfaceProduct, FactorError> {
+        self.model_of(&workspace.solution, maps)
+    }
+
+    /// The same of log texels, `[channel][unknown]`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Preinverted::model`].
+    ///
+    /// # Panics
+    ///
+    /// Unless there is a number for each unknown of each channel.
+    pub fn model_of(
+        &self,
+        solution: &[f64],
+        maps: &[ChannelMap],
+    ) -> Result<SurfaceProduct, FactorError> {
         let unknowns = self.unknowns();
+        assert_eq!(solution.len(), maps.len() * unknowns, "a number for each unknown");
         let mut factors = self.factors.clone();
         let mut start = 0;
         let mut texels_of = |columns: &Columns, count: usize| {
             let mut texels = vec![[0.0_f64; 4]; count];
-            for (channel, x) in workspace.solution.chunks_exact(unknowns).enumerate() {
+            for (channel, x) in solution.chunks_exact(unknowns).enumerate() {
                 let own = columns.texels(&x[start..][..columns.unknowns()]);
                 texels.iter_mut().zip(own).for_each(|(t, v)| t[channel] = v.unwrap_or(0.0));
             }
@@ -387,8 +415,7 @@ fn layout(
                 expected: "one place on the surface for each sample",
             });
         }
-        let sorted: Vec<DVec2> = problem.origin().iter().map(|at| places[*at]).collect();
-        columns.push(Arc::new(Columns::of_surface(problem, size, &sorted, wraps)));
+        columns.push(Arc::new(problem.surface_columns(size, places, wraps)));
     }
     Ok((factors, columns))
 }

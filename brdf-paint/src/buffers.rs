@@ -1,0 +1,62 @@
+//! What each pixel of a view shows, exactly.
+
+use brdf_render::Mesh;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::View;
+
+/// The surface in the middle of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelSurface {
+    /// Smooth unit normal, in axes of the mesh.
+    pub normal: DVec3,
+    /// Unit direction to the light in the surface's frame; below it on the dark side.
+    pub wi: DVec3,
+    /// Unit direction to the camera in the surface's frame; below it where the smooth normal turns away.
+    pub wo: DVec3,
+    /// Texture coordinates.
+    pub uv: DVec2,
+}
+
+impl PixelSurface {
+    /// Whether light and camera are above the surface.
+    pub fn is_seen_and_lit(&self) -> bool {
+        self.wi.z > 0.0 && self.wo.z > 0.0
+    }
+}
+
+/// The pixels of a view, row by row from the top left; none where it shows nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewBuffers {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `[row][column]`.
+    pub pixels: Vec<Option<PixelSurface>>,
+}
+
+impl ViewBuffers {
+    /// Casts a ray through the middle of each pixel. Nothing is in shadow.
+    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
+    pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
+        let pixels = (0..height)
+            .into_par_iter()
+            .flat_map_iter(|row| {
+                (0..width).map(move |column| {
+                    let place = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                    let direction = view.camera.ray(place, width, height);
+                    let surface = mesh.surface(&mesh.hit(view.camera.eye, direction, 0.0)?);
+                    Some(PixelSurface {
+                        normal: surface.normal,
+                        wi: surface.to_local(view.to_light(surface.position)),
+                        wo: surface.to_local(-direction),
+                        uv: surface.uv,
+                    })
+                })
+            })
+            .collect();
+        Self { width, height, pixels }
+    }
+}

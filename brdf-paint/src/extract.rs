@@ -1,0 +1,288 @@
+//! From samples to materials.
+
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+use brdf_factor::{
+    ChannelMap, Columns, Factor, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem,
+};
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::coefficient_map::{MapTaps, taps};
+use crate::{
+    CoefficientMap, Component, PaintError, PaintErrors, PaintSamples, PaintedMaterial, alternating,
+    paper,
+};
+
+/// What kind of material.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// One BRDF of three radial factors, the same everywhere.
+    Brdf,
+    /// The same times a factor over the surface.
+    FourFactor,
+    /// A sum of BRDFs of three factors, weighted by maps.
+    #[default]
+    MaterialMap,
+    /// A sum of products of four factors, weighted by maps.
+    Hybrid,
+}
+
+/// How a material map is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolverChoice {
+    /// One product after another, each scaled under what is left (the paper's).
+    Paper,
+    /// Maps and products in turns, from the paper's result or from clusters of texels, never worse than
+    /// either.
+    #[default]
+    Alternating,
+}
+
+/// Options of an extraction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PaintParams {
+    /// What is made.
+    pub mode: Mode,
+    /// Of material maps.
+    pub solver: SolverChoice,
+    /// Summands of a material map.
+    pub products: usize,
+    /// Texels of each radial factor.
+    pub texels: usize,
+    /// Texels a side of a factor over the surface.
+    pub surface_size: usize,
+    /// Texels a side of the maps.
+    pub map_size: usize,
+    /// μ ≥ 0, as of [`FactorParams::smoothing`].
+    pub smoothing: f64,
+    /// a of log(a + f), as a share of the mean value: tames dark samples (Eq. 12).
+    pub offset: f64,
+    /// Whether u = 0 and u = 1 are one place of the surface.
+    pub wraps: bool,
+}
+
+impl Default for PaintParams {
+    fn default() -> Self {
+        Self {
+            mode: Mode::default(),
+            solver: SolverChoice::default(),
+            products: 5,
+            texels: 64,
+            surface_size: 32,
+            map_size: 256,
+            smoothing: 1e-4,
+            offset: 0.05,
+            wraps: false,
+        }
+    }
+}
+
+impl PaintParams {
+    fn check(&self) -> Result<(), PaintError> {
+        let sizes = [
+            ("the number of products", self.products, 1..=20, "1 to 20"),
+            ("the size of maps", self.map_size, 4..=4096, "4 to 4096"),
+        ];
+        for (option, value, range, expected) in sizes {
+            if !range.contains(&value) {
+                #[expect(clippy::cast_precision_loss, reason = "for a message")]
+                return Err(PaintError::Option { option, value: value as f64, expected });
+            }
+        }
+        if !(self.offset > 0.0 && self.offset.is_finite()) {
+            let (option, expected) = ("the offset", "a share of the mean above 0, such as 0.05");
+            return Err(PaintError::Option { option, value: self.offset, expected });
+        }
+        Ok(())
+    }
+
+    fn is_map(&self) -> bool {
+        matches!(self.mode, Mode::MaterialMap | Mode::Hybrid)
+    }
+
+    fn plan(&self) -> Plan {
+        let plan = Plan::of(&FactorSpec::radial(false), self.texels);
+        match self.mode {
+            Mode::Brdf | Mode::MaterialMap => plan,
+            Mode::FourFactor | Mode::Hybrid => plan.with_surface(self.surface_size, self.wraps),
+        }
+    }
+}
+
+/// A material and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extraction {
+    /// The material.
+    pub material: PaintedMaterial,
+    /// Over the samples it was made from.
+    pub errors: PaintErrors,
+    /// Texels of the maps that no sample touches, row by row; they were filled from around them.
+    pub unconstrained: Vec<bool>,
+    /// Texels of factors that no sample touches; smoothing alone holds them.
+    pub smoothed_texels: usize,
+}
+
+/// Makes a material of samples. `progress` hears what is being done.
+///
+/// # Errors
+///
+/// [`PaintError::NothingPainted`], [`PaintError::Option`]; [`PaintError::Factor`] as of [`Preinverted::new`].
+pub fn extract(
+    samples: &PaintSamples,
+    params: &PaintParams,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Extraction, PaintError> {
+    params.check()?;
+    if samples.is_empty() {
+        return Err(PaintError::NothingPainted { skipped: samples.skipped.to_string() });
+    }
+    // Leading parts of shuffled samples are spread over all pictures.
+    let shuffled = samples.shuffled();
+    progress("inverting");
+    let layout = Layout::new(&shuffled, params)?;
+    let parts = match (params.is_map(), params.solver) {
+        (false, _) => vec![layout.single(&shuffled)],
+        (true, SolverChoice::Paper) => paper::decompose(&layout, &shuffled, params, progress),
+        (true, SolverChoice::Alternating) => {
+            alternating::decompose(&layout, &shuffled, params, progress)?
+        }
+    };
+    let material = layout.material(parts, params)?;
+    let errors = samples.errors(&material);
+    let unconstrained = if params.is_map() {
+        layout.touched(params.map_size).iter().map(|touched| !touched).collect()
+    } else {
+        Vec::new()
+    };
+    let smoothed_texels = layout.inverted.untouched_texels().iter().map(Vec::len).sum();
+    Ok(Extraction { material, errors, unconstrained, smoothed_texels })
+}
+
+/// A product and its map, as they are solved for.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// Log texels, `[channel][unknown]`.
+    pub(crate) solution: Vec<f64>,
+    /// Values of the map; empty for 1 everywhere.
+    pub(crate) coefficients: Vec<f32>,
+}
+
+/// Where samples read factors and maps.
+pub(crate) struct Layout {
+    pub(crate) problem: Problem,
+    pub(crate) inverted: Preinverted,
+    pub(crate) maps: [ChannelMap; 3],
+    /// Of each sample.
+    pub(crate) taps: Vec<MapTaps>,
+    factors: Vec<Factor>,
+    surface: Option<(usize, bool)>,
+    places: Vec<DVec2>,
+}
+
+impl Layout {
+    fn new(samples: &PaintSamples, params: &PaintParams) -> Result<Self, PaintError> {
+        let factor_params = FactorParams {
+            smoothing: params.smoothing,
+            theta_max: FRAC_PI_2,
+            ..FactorParams::default()
+        };
+        let problem = Problem::new(&samples.as_set(), &factor_params)?;
+        let plan = params.plan();
+        let factors = plan.factors.iter().map(|(spec, size)| problem.empty_factor(spec, *size));
+        let factors = factors.collect::<Result<_, _>>()?;
+        let surface = plan.surface;
+        let inverted = Preinverted::new(&problem, &samples.places, plan, Inversion::Cholesky)?;
+        let a = params.offset * mean(&samples.values);
+        let of = |place: &DVec2| taps(params.map_size, params.wraps, *place);
+        let taps = samples.places.iter().map(of).collect();
+        let maps = [ChannelMap::Offset { a }; 3];
+        let places = samples.places.clone();
+        Ok(Self { problem, inverted, maps, taps, factors, surface, places })
+    }
+
+    /// The problem of the first samples, and their columns.
+    pub(crate) fn thinned(&self, count: usize) -> (Problem, Vec<Arc<Columns>>) {
+        let problem = self.problem.thinned(count);
+        let mut columns: Vec<Arc<Columns>> =
+            self.factors.iter().map(|factor| Arc::new(problem.columns(factor))).collect();
+        if let Some((size, wraps)) = self.surface {
+            columns.push(Arc::new(problem.surface_columns(size, &self.places, wraps)));
+        }
+        (problem, columns)
+    }
+
+    /// One product fitted to all samples.
+    fn single(&self, samples: &PaintSamples) -> Part {
+        let mut workspace = self.inverted.workspace(3);
+        self.inverted.solve(&by_channel(&samples.values), &self.maps, &mut workspace);
+        Part { solution: workspace.solution().to_vec(), coefficients: Vec::new() }
+    }
+
+    /// Values of a product for all samples, 0 and above.
+    #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
+    pub(crate) fn values(&self, solution: &[f64]) -> Vec<[f32; 3]> {
+        let mut values = vec![[0.0; 3]; self.taps.len()];
+        let unknowns = self.inverted.unknowns();
+        for (channel, x) in solution.chunks_exact(unknowns).enumerate() {
+            let logs = predicted(self.inverted.columns(), x);
+            for (log, place) in logs.iter().zip(self.inverted.order()) {
+                values[*place][channel] = self.maps[channel].inverse(*log).max(0.0) as f32;
+            }
+        }
+        values
+    }
+
+    /// Whether a sample reads a texel of a map, for all of them.
+    pub(crate) fn touched(&self, map_size: usize) -> Vec<bool> {
+        let mut touched = vec![false; map_size * map_size];
+        for (texel, share) in self.taps.iter().flatten() {
+            touched[*texel] |= *share > 0.0;
+        }
+        touched
+    }
+
+    fn material(
+        &self,
+        parts: Vec<Part>,
+        params: &PaintParams,
+    ) -> Result<PaintedMaterial, PaintError> {
+        let (size, wraps) = (params.map_size, params.wraps);
+        let components = parts.into_iter().map(|Part { solution, coefficients }| {
+            let product = self.inverted.model_of(&solution, &self.maps)?;
+            let coefficients = (!coefficients.is_empty()).then_some(CoefficientMap {
+                size,
+                wraps,
+                values: coefficients,
+            });
+            Ok(Component { coefficients, product })
+        });
+        Ok(PaintedMaterial { components: components.collect::<Result<_, PaintError>>()? })
+    }
+}
+
+/// What columns give samples, in their order.
+pub(crate) fn predicted(columns: &[Arc<Columns>], x: &[f64]) -> Vec<f64> {
+    let samples = columns.first().map_or(0, |columns| columns.samples());
+    let (mut values, mut start) = (vec![0.0; samples], 0);
+    for columns in columns {
+        columns.add_values(&x[start..][..columns.unknowns()], &mut values);
+        start += columns.unknowns();
+    }
+    values
+}
+
+pub(crate) fn by_channel(values: &[[f32; 3]]) -> Vec<Vec<f64>> {
+    (0..3).map(|channel| values.iter().map(|v| f64::from(v[channel])).collect()).collect()
+}
+
+#[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ samples")]
+fn mean(values: &[[f32; 3]]) -> f64 {
+    let sum: f64 = values.iter().flatten().map(|v| f64::from(*v)).sum();
+    let mean = sum / (3 * values.len()).max(1) as f64;
+    // A black picture.
+    if mean > 0.0 { mean } else { 1.0 }
+}

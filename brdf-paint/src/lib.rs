@@ -1,0 +1,31 @@
+//! Materials from pictures of an object, painted or photographed.
+//!
+//! A pixel that shows a surface under a known light is a sample of its reflectance. From enough of them
+//! come a BRDF, a product with a factor over the surface, or a material map: a sum of BRDFs weighted by
+//! maps over the surface.
+//!
+//! Source: Jaroszkiewicz and McCool 2003, sections 4 and 5.
+//!
+//! [`View`]s say where camera and light stand, [`ViewBuffers`] what each pixel shows, [`PaintSamples`]
+//! what was painted there, and [`extract`] makes a [`PaintedMaterial`].
+
+mod alternating;
+mod buffers;
+mod coefficient_map;
+mod error;
+mod extract;
+mod least_squares;
+mod material;
+mod paper;
+mod samples;
+mod truth;
+mod view;
+
+pub use buffers::{PixelSurface, ViewBuffers};
+pub use coefficient_map::CoefficientMap;
+pub use error::PaintError;
+pub use extract::{Extraction, Mode, PaintParams, SolverChoice, extract};
+pub use material::{Component, PaintedMaterial};
+pub use samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
+pub use truth::BlendedTruth;
+pub use view::{LightSource, View, face_views, vertex_views};

@@ -1,0 +1,222 @@
+//! Painted pixels as samples of reflectance.
+
+use std::fmt;
+
+use brdf_model::{Channels, Rgb, SampleSet};
+use brdf_param::DirectionPair;
+use glam::DVec2;
+use serde::Serialize;
+
+use crate::{PaintError, PaintedMaterial, ViewBuffers};
+
+/// A picture of a view in linear RGB with coverage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaintedImage {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear red, green, blue and coverage in [0, 1], row by row from the top left.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+/// Pixels that give no sample, and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// Painted where the view shows nothing of the object.
+    pub outside: usize,
+    /// Of the object, left transparent.
+    pub transparent: usize,
+    /// Lit too flat, or from behind: cosine below the least.
+    pub grazing: usize,
+    /// Not a number, or infinite.
+    pub not_finite: usize,
+    /// Negative colours, set to 0; they do give samples.
+    pub clamped: usize,
+}
+
+impl fmt::Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts = [
+            (self.outside, "beside the object"),
+            (self.transparent, "transparent"),
+            (self.grazing, "lit too flat or from behind"),
+            (self.not_finite, "not finite"),
+            (self.clamped, "negative, set to 0"),
+        ];
+        let some: Vec<String> = counts
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{count} pixels {what}"))
+            .collect();
+        f.write_str(if some.is_empty() { "no pixels" } else { "" })?;
+        f.write_str(&some.join(", "))
+    }
+}
+
+/// Pixels below this coverage are not painted.
+const COVERED: f32 = 0.5;
+
+/// Samples of all views. Values are f π, so that a white diffuser is 1.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PaintSamples {
+    /// Directions in the frame of the surface.
+    pub pairs: Vec<DirectionPair>,
+    /// Texture coordinates.
+    pub places: Vec<DVec2>,
+    /// Linear RGB.
+    pub values: Vec<[f32; 3]>,
+    /// View and pixel that each comes from.
+    pub origins: Vec<(usize, usize)>,
+    /// What gave no sample.
+    pub skipped: Skipped,
+}
+
+/// Differences from samples over all pixels and channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PaintErrors {
+    /// Root mean square.
+    pub rms: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl PaintSamples {
+    /// No samples yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the painted pixels of a view, `name`d for messages. A picture shows f π cosθi; pixels whose
+    /// cosine is below `least_cosine` are left out.
+    ///
+    /// # Errors
+    ///
+    /// [`PaintError::Size`].
+    pub fn add(
+        &mut self,
+        view: usize,
+        name: &str,
+        buffers: &ViewBuffers,
+        image: &PaintedImage,
+        least_cosine: f64,
+    ) -> Result<(), PaintError> {
+        let (width, height) = (buffers.width, buffers.height);
+        if (image.width, image.height) != (width, height) {
+            let (found_width, found_height) = (image.width, image.height);
+            let view = name.to_owned();
+            return Err(PaintError::Size { view, found_width, found_height, width, height });
+        }
+        for (pixel, (surface, painted)) in buffers.pixels.iter().zip(&image.pixels).enumerate() {
+            let is_covered = painted[3] >= COVERED;
+            let Some(surface) = surface else {
+                self.skipped.outside += usize::from(is_covered);
+                continue;
+            };
+            let reason = if !is_covered {
+                &mut self.skipped.transparent
+            } else if surface.wi.z < least_cosine || !surface.is_seen_and_lit() {
+                &mut self.skipped.grazing
+            } else if painted.iter().any(|v| !v.is_finite()) {
+                &mut self.skipped.not_finite
+            } else {
+                let [r, g, b, _] = *painted;
+                self.skipped.clamped += usize::from([r, g, b].iter().any(|v| *v < 0.0));
+                #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
+                let scale = (1.0 / surface.wi.z) as f32;
+                self.values.push([r, g, b].map(|v| scale * v.max(0.0)));
+                self.pairs.push(DirectionPair::new(surface.wi, surface.wo));
+                self.places.push(surface.uv);
+                self.origins.push((view, pixel));
+                continue;
+            };
+            *reason += 1;
+        }
+        Ok(())
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Sets values above a limit to it and returns how many.
+    pub fn clip(&mut self, limit: f32) -> usize {
+        let mut clipped = 0;
+        for value in &mut self.values {
+            clipped += usize::from(value.iter().any(|v| *v > limit));
+            *value = value.map(|v| v.min(limit));
+        }
+        clipped
+    }
+
+    /// About `count` of the samples, evenly from all; fewer if there are fewer.
+    #[must_use]
+    pub fn thinned(&self, count: usize) -> Self {
+        let step = (self.len() / count.max(1)).max(1);
+        self.chosen((0..self.len()).step_by(step).take(count))
+    }
+
+    fn chosen(&self, order: impl Iterator<Item = usize>) -> Self {
+        let mut chosen = Self { skipped: self.skipped, ..Self::new() };
+        for at in order {
+            chosen.pairs.push(self.pairs[at]);
+            chosen.places.push(self.places[at]);
+            chosen.values.push(self.values[at]);
+            chosen.origins.push(self.origins[at]);
+        }
+        chosen
+    }
+
+    /// The same in an order whose leading parts are spread over all of them.
+    pub(crate) fn shuffled(&self) -> Self {
+        // Steps of the golden ratio visit all, where they share no factor with their number.
+        let count = self.len().max(1);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a share of a count"
+        )]
+        let mut step = ((count as f64 * 0.618_034) as usize).max(1);
+        while greatest_common_divisor(step, count) != 1 {
+            step += 1;
+        }
+        self.chosen((0..self.len()).map(|at| at * step % count))
+    }
+
+    /// As a set of three channels, in the same order.
+    pub(crate) fn as_set(&self) -> SampleSet {
+        let mut set = SampleSet::new(Channels::Rgb);
+        for (pair, value) in self.pairs.iter().zip(&self.values) {
+            set.push_rgb(pair, Rgb::from(value.map(f64::from)));
+        }
+        set
+    }
+
+    /// How far a material is from the samples.
+    pub fn errors(&self, material: &PaintedMaterial) -> PaintErrors {
+        self.errors_of(&material.predict(self))
+    }
+
+    /// How far predicted values are from the samples.
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ pixels")]
+    pub fn errors_of(&self, predicted: &[[f32; 3]]) -> PaintErrors {
+        let (mut squares, mut max) = (0.0, 0.0_f64);
+        for (found, wanted) in predicted.iter().flatten().zip(self.values.iter().flatten()) {
+            let apart = f64::from(found - wanted).abs();
+            squares += apart * apart;
+            max = max.max(apart);
+        }
+        PaintErrors { rms: (squares / (3 * self.len()).max(1) as f64).sqrt(), max }
+    }
+}
+
+fn greatest_common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
+}
