@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use brdf_io::read_mesh;
-use brdf_render::{Camera, Mesh};
+use brdf_render::{Camera, Mesh, Soup};
 use clap::ValueEnum;
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ use crate::args::two_angles;
 /// A mesh and where it is seen from.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MeshArgs {
-    /// Show the material on a mesh, PLY or OBJ, y up
+    /// Show the material on a mesh, PLY or OBJ, y up, or shape:torus
     #[arg(long, value_name = "FILE")]
     pub(crate) mesh: Option<PathBuf>,
 
@@ -69,12 +69,31 @@ pub(crate) enum UvArg {
     File,
 }
 
+impl UvArg {
+    /// As files record it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Atlas => "atlas",
+            Self::File => "file",
+        }
+    }
+
+    pub(crate) fn find(name: &str) -> Option<Self> {
+        Self::value_variants().iter().copied().find(|uv| uv.name() == name)
+    }
+}
+
 /// Texels of the page that charts are packed on: distances between them hold for maps up to this size.
 const ATLAS_SIZE: usize = 256;
 
+/// The mesh that needs no file.
+pub(crate) const TORUS: &str = "shape:torus";
+
 /// Reads a mesh, says what was repaired, and gives it the texture coordinates asked for.
 pub(crate) fn open_mesh(path: &Path, uv: Option<UvArg>) -> anyhow::Result<Mesh> {
-    let (mesh, notes) = read_mesh(path)?;
+    let (mesh, notes) =
+        if path == Path::new(TORUS) { Mesh::new(Soup::torus())? } else { read_mesh(path)? };
     for line in notes.lines() {
         writeln!(std::io::stderr(), "{}: {line}", path.display())?;
     }

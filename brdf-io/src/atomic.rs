@@ -63,7 +63,9 @@ fn is_ours(content: &[u8]) -> bool {
 const MARK: (&str, &str) = ("report.json", "{\n  \"brdf\":");
 
 /// Files of every folder of ours; textures have numbers.
-const OUR_NAMES: [&str; 7] = [
+const OUR_NAMES: [&str; 9] = [
+    "coverage.png",
+    "material.safetensors",
     "model.safetensors",
     "sphere.png",
     "spheres.png",
@@ -183,6 +185,12 @@ impl OutputFolder {
                 removed.map_err(refused("removing the old"))?;
             }
             for name in &self.names {
+                // A folder cannot be renamed onto another; the old one goes with the temporary.
+                let old = place.join(name);
+                if old.is_dir() {
+                    let aside = self.temporary.path().join(format!("{name}.old"));
+                    fs::rename(&old, aside).map_err(refused("moving away"))?;
+                }
                 fs::rename(self.temporary.path().join(name), place.join(name))
                     .map_err(refused("renaming into"))?;
             }
@@ -238,11 +246,14 @@ fn file_name(path: &Path) -> String {
 
 fn is_our_name(path: &Path) -> bool {
     let name = file_name(path);
-    let is_numbered = ["factor-", "first-", "second-", "slices-"].iter().any(|prefix| {
-        name.strip_prefix(prefix).and_then(|rest| rest.rsplit_once('.')).is_some_and(
-            |(number, kind)| number.parse::<u32>().is_ok() && ["exr", "png", "svg"].contains(&kind),
-        )
-    });
+    let is_numbered =
+        ["factor-", "first-", "map-", "second-", "slices-", "view-"].iter().any(|prefix| {
+            name.strip_prefix(prefix).and_then(|rest| rest.rsplit_once('.')).is_some_and(
+                |(number, kind)| {
+                    number.parse::<u32>().is_ok() && ["exr", "png", "svg"].contains(&kind)
+                },
+            )
+        });
     OUR_NAMES.contains(&name.as_str()) || is_numbered
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use brdf_factor::FactorError;
 use brdf_model::ModelError;
+use brdf_paint::PaintError;
 use brdf_param::ParamError;
 use brdf_render::MeshError;
 use brdf_separable::SeparableError;
@@ -74,6 +75,9 @@ pub enum FormatError {
         /// The first bytes, made printable.
         start: String,
     },
+    /// The numbers make no painted material, or no scene.
+    #[error(transparent)]
+    Paint(#[from] PaintError),
     /// The triangles make no mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -18,6 +18,7 @@ mod measurement;
 mod merl;
 mod mesh;
 mod nbrdf;
+mod paint;
 mod pictures;
 mod projections;
 mod rgl;
@@ -32,10 +33,11 @@ pub use btf::{
     UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_btf_image, read_map,
 };
 pub use container::{
-    BtfModelFile, BtfRecord, Contained, FitRecord, FitSettings, ModelFile, RankRecord,
-    SearchSettings, SeparableFile, SeparableRecord, SeparableSettings, TermRecord,
-    btf_model_to_bytes, model_to_bytes, open_btf_model, parse_btf_model, read_container, record_of,
-    samples_to_bytes, separable_to_bytes, table_to_bytes,
+    BtfModelFile, BtfRecord, Contained, FitRecord, FitSettings, ModelFile, PaintRecord,
+    PaintedFile, RankRecord, SearchSettings, SeparableFile, SeparableRecord, SeparableSettings,
+    TermRecord, btf_model_to_bytes, model_to_bytes, open_btf_model, painted_to_bytes,
+    parse_btf_model, parse_painted, read_container, record_of, samples_to_bytes,
+    separable_to_bytes, table_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};
 pub use detect::{Format, detect};
@@ -46,6 +48,10 @@ pub use measurement::{Measured, Measurement, ReadOptions, open_measurement, pars
 pub use merl::{merl_to_bytes, read_merl};
 pub use mesh::{parse_mesh, read_mesh};
 pub use nbrdf::{nbrdf_names, read_nbrdf};
+pub use paint::{
+    Scene, TruthRecord, buffers_to_exr, painting_to_exr, read_buffers, read_painting, read_scene,
+    read_views, scene_to_toml,
+};
 pub use pictures::{parse_environment, png_bytes, read_environment};
 pub use projections::{ProjectionFile, read_projections};
 pub use rgl::read_rgl;

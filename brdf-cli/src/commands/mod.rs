@@ -7,6 +7,7 @@ mod convert;
 mod eval;
 mod factor;
 mod info;
+mod paint;
 mod plot;
 mod render;
 mod sample;
@@ -43,6 +44,8 @@ enum Command {
     Sample(sample::Sample),
     #[command(subcommand)]
     Btf(btf::Btf),
+    #[command(subcommand)]
+    Paint(paint::Paint),
     Convert(convert::Convert),
     Completions(completions::Completions),
 }
@@ -59,6 +62,7 @@ impl Cli {
             Command::Eval(command) => command.run(out),
             Command::Sample(command) => command.run(out),
             Command::Btf(command) => command.run(out),
+            Command::Paint(command) => command.run(out),
             Command::Convert(command) => command.run(out),
             Command::Completions(command) => command.run(out),
         }

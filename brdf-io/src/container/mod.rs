@@ -10,6 +10,9 @@
 //! their charts, `first` with one channel where its textures are scalar; where both sides share
 //! textures, `signs`, f32 `[term, channel]`, in place of `second`.
 //!
+//! A painted material: tensors `product0.factor0` … of the factors of each product, as of a factored model,
+//! `product0.surface`, `[v, u, channel]`, and `map0`, `[v, u]`, where it has them, all f32.
+//!
 //! A compressed BTF: packed books as tensors of bytes.
 //!
 //! A MERL-grid table: one tensor `cells`, f32 `[theta_h, theta_d, phi_d, channel]`, negative where
@@ -28,9 +31,11 @@ use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 
 mod btf;
+mod painted;
 mod separable;
 
 pub use btf::{BtfModelFile, BtfRecord, btf_model_to_bytes, open_btf_model, parse_btf_model};
+pub use painted::{PaintRecord, PaintedFile, painted_to_bytes, parse_painted};
 pub use separable::{
     RankRecord, SeparableFile, SeparableRecord, SeparableSettings, separable_to_bytes,
 };
@@ -51,6 +56,7 @@ enum Kind {
     Samples,
     BtfVq,
     BtfLpca,
+    Painted,
 }
 
 /// The part of the record that every kind has.
@@ -282,6 +288,31 @@ const TABLE_SHAPE: [usize; 4] = [MerlTable::THETA_H, MerlTable::THETA_D, MerlTab
 ///
 /// [`FormatError`] for anything that is not whole and consistent.
 pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, FormatError> {
+    let (head, record) = read_head(bytes)?;
+    let record = record.as_str();
+    let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
+    Ok(match head.kind {
+        Kind::Factored => Contained::Model(Box::new(read_factored(record, &tensors)?)),
+        Kind::Separable => Contained::Separable(Box::new(separable::read(record, &tensors)?)),
+        Kind::MerlTable => Contained::Table(read_cells(&tensors, lookup)?),
+        Kind::Samples => Contained::Samples(read_samples(&tensors)?),
+        Kind::Painted => {
+            return Err(FormatError::Missing {
+                what: "BRDF: this is a painted material, which varies over a surface".to_owned(),
+                expected: "`brdf paint preview` for it".to_owned(),
+            });
+        }
+        Kind::BtfVq | Kind::BtfLpca => {
+            return Err(FormatError::Missing {
+                what: "BRDF: this is a compressed BTF".to_owned(),
+                expected: "one of the commands of `brdf btf` for it".to_owned(),
+            });
+        }
+    })
+}
+
+/// What kind of container this is, and its record.
+fn read_head(bytes: &[u8]) -> Result<(Head, String), FormatError> {
     let (_, metadata) =
         SafeTensors::read_metadata(bytes).map_err(|e| library("safetensors", &e))?;
     let record = metadata.metadata().as_ref().and_then(|m| m.get(KEY)).ok_or_else(|| {
@@ -297,19 +328,7 @@ pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, For
             expected: format!("version {VERSION}"),
         });
     }
-    let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
-    Ok(match head.kind {
-        Kind::Factored => Contained::Model(Box::new(read_factored(record, &tensors)?)),
-        Kind::Separable => Contained::Separable(Box::new(separable::read(record, &tensors)?)),
-        Kind::MerlTable => Contained::Table(read_cells(&tensors, lookup)?),
-        Kind::Samples => Contained::Samples(read_samples(&tensors)?),
-        Kind::BtfVq | Kind::BtfLpca => {
-            return Err(FormatError::Missing {
-                what: "BRDF: this is a compressed BTF".to_owned(),
-                expected: "one of the commands of `brdf btf` for it".to_owned(),
-            });
-        }
-    })
+    Ok((head, record.clone()))
 }
 
 fn read_factored(record: &str, tensors: &SafeTensors<'_>) -> Result<ModelFile, FormatError> {

@@ -63,6 +63,31 @@ impl MeshNotes {
 const THINNEST: f64 = 1e-12;
 
 impl Soup {
+    /// A torus about the vertical, 3 across, with a tube of half that: smooth normals, every angle to a light,
+    /// and texture coordinates, u around the axis and v around the tube.
+    pub fn torus() -> Self {
+        const AROUND: u32 = 96;
+        const TUBE: u32 = 48;
+        let mut soup = Self { normals: Some(Vec::new()), uv: Some(Vec::new()), ..Self::default() };
+        for i in 0..=AROUND {
+            for j in 0..=TUBE {
+                let (u, v) = (f64::from(i) / f64::from(AROUND), f64::from(j) / f64::from(TUBE));
+                let ((sin_u, cos_u), (sin_v, cos_v)) =
+                    ((std::f64::consts::TAU * u).sin_cos(), (std::f64::consts::TAU * v).sin_cos());
+                let normal = DVec3::new(sin_u * cos_v, sin_v, cos_u * cos_v);
+                soup.positions.push(DVec3::new(sin_u, 0.0, cos_u) + 0.5 * normal);
+                soup.normals.get_or_insert_default().push(normal);
+                soup.uv.get_or_insert_default().push(DVec2::new(u, v));
+                if i < AROUND && j < TUBE {
+                    let at = i * (TUBE + 1) + j;
+                    let across = at + TUBE + 1;
+                    soup.triangles.extend([[at, across, across + 1], [at, across + 1, at + 1]]);
+                }
+            }
+        }
+        soup
+    }
+
     /// What is worth keeping, a unit normal for each vertex, and what was done.
     pub(super) fn repaired(mut self) -> Result<(Self, Vec<DVec3>, MeshNotes), MeshError> {
         self.check()?;
@@ -245,6 +270,17 @@ mod tests {
         assert_eq!(notes, expected);
         for (position, normal) in soup.positions.iter().zip(&normals) {
             assert!((position.normalize() - *normal).length() < 1e-12, "{normal} at {position}");
+        }
+    }
+
+    #[test]
+    fn the_torus_is_closed_and_faces_outwards() {
+        let (soup, normals, notes) = Soup::torus().repaired().unwrap();
+        assert_eq!((notes.non_manifold_edges, notes.flipped_edges, notes.normals_made), (0, 0, 0));
+        for triangle in &soup.triangles {
+            let [a, b, c] = triangle.map(|at| soup.positions[at as usize]);
+            let normal = normals[triangle[0] as usize];
+            assert!((b - a).cross(c - a).dot(normal) > 0.0, "counter-clockwise from outside");
         }
     }
 

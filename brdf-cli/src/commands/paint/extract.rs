@@ -1,0 +1,347 @@
+//! `brdf paint extract`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use anyhow::{Context as _, bail};
+use brdf_io::{
+    OutputFolder, PaintRecord, PaintedFile, ReadOptions, Scene, painted_to_bytes, read_buffers,
+    read_painting, read_scene, write_exr,
+};
+use brdf_paint::{
+    Extraction, Mode, PaintErrors, PaintParams, PaintSamples, PaintedImage, SolverChoice,
+    ViewBuffers, extract, face_views,
+};
+use brdf_render::{DirectionalLight, Light, SphereView, ToneMap, render_sphere};
+use clap::ValueEnum;
+use maud::html;
+use serde_json::{Value, json};
+
+use super::report::{coverage_view, map_view, view_strip};
+use super::setup::blended;
+use crate::args::positive;
+use crate::meshes::{UvArg, open_mesh};
+use crate::numbers::{bytes as shown_bytes, significant};
+use crate::pictures::png;
+use crate::progress::Progress;
+use crate::report::html::{document, picture};
+use crate::subject::Subject;
+
+/// Make a material of a painted scene
+///
+/// Writes material.safetensors, each map as map-N.png and .exr, coverage.png (violet texels were filled from
+/// around them), view-N.png (painted, reconstructed, difference ×4), report.html and report.json.
+///
+/// Paintings are sRGB PNG or JPEG, 8 or 16 bits, or linear EXR, in painted/; transparent pixels do not count.
+/// They show reflectance times π times the cosine to the light, and views without a painting are passed over.
+///
+/// Example: brdf paint extract scene/ -o material/
+#[derive(clap::Args)]
+pub(in crate::commands) struct Extract {
+    /// Scene that `brdf paint setup` wrote, with its paintings
+    scene: PathBuf,
+
+    /// Folder to write
+    #[arg(short, long, value_name = "FOLDER", default_value = "material")]
+    output: PathBuf,
+
+    /// What is made
+    #[arg(long, value_enum, default_value_t = ModeArg::MaterialMap)]
+    mode: ModeArg,
+
+    /// How material maps are found
+    #[arg(long, value_enum, default_value_t = SolverArg::Alternating)]
+    solver: SolverArg,
+
+    /// Summands of a material map
+    #[arg(long, default_value_t = 5)]
+    products: usize,
+
+    /// Texels of each radial factor
+    #[arg(long, default_value_t = 64)]
+    texels: usize,
+
+    /// Texels along each side of a factor over the surface
+    #[arg(long, default_value_t = 32)]
+    surface_size: usize,
+
+    /// Texels along each side of the maps
+    #[arg(long, default_value_t = 256)]
+    map_size: usize,
+
+    /// Weight μ of smoothing
+    #[arg(long, default_value_t = 1e-4)]
+    smoothing: f64,
+
+    /// Log map: a of log(a + f), as a share of the mean; more tames dark colours
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = positive)]
+    log_map: f64,
+
+    /// Leave out pixels whose cosine to the light is below this
+    #[arg(long, default_value_t = 0.1, value_parser = positive)]
+    least_cosine: f64,
+
+    /// Views to judge by instead of learning from them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    hold_out: Vec<String>,
+
+    /// Write into a folder that holds other files
+    #[arg(long)]
+    force: bool,
+
+    /// Print report.json on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ModeArg {
+    /// One BRDF everywhere
+    Brdf,
+    /// A BRDF times a factor over the surface
+    FourFactor,
+    /// BRDFs weighted by maps
+    MaterialMap,
+    /// Four-factor products weighted by maps
+    Hybrid,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SolverArg {
+    /// One product after another, as published
+    Paper,
+    /// Maps and products in turns
+    Alternating,
+}
+
+/// A view with its painting.
+struct Painted {
+    name: String,
+    buffers: ViewBuffers,
+    image: PaintedImage,
+}
+
+impl Extract {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        let start = Instant::now();
+        let path = self.scene.join("scene.toml");
+        let text = std::fs::read_to_string(&path)
+            .with_context(|| format!("{}: reading", path.display()))?;
+        let scene = read_scene(&text).with_context(|| path.display().to_string())?;
+        if let Some(name) =
+            self.hold_out.iter().find(|name| !scene.views.iter().any(|v| v.name == **name))
+        {
+            let names: Vec<&str> = scene.views.iter().map(|view| view.name.as_str()).collect();
+            bail!("--hold-out {name}: no such view; the scene has {}", names.join(", "));
+        }
+        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let progress = Progress::new(1);
+        progress.step("reading");
+        let (painted, mut notes) = self.read_views(&scene)?;
+        let mut training = PaintSamples::new();
+        let mut held_out = PaintSamples::new();
+        for (view, Painted { name, buffers, image }) in painted.iter().enumerate() {
+            let into = if self.hold_out.contains(name) { &mut held_out } else { &mut training };
+            into.add(view, name, buffers, image, self.least_cosine)?;
+        }
+        if training.skipped != brdf_paint::Skipped::default() {
+            notes.push(format!("skipped: {}", training.skipped));
+        }
+        let params = self.params(scene.uv == UvArg::Sphere.name());
+        let made = extract(&training, &params, &|step| progress.step(step.to_owned()))?;
+        progress.step("judging");
+        let held_out_errors = if held_out.is_empty() {
+            self.truth_errors(&scene, &made, &mut notes)?
+        } else {
+            Some(held_out.errors(&made.material))
+        };
+        let unconstrained = made.unconstrained.iter().filter(|u| **u).count();
+        if unconstrained > 0 {
+            notes.push(format!(
+                "{unconstrained} of {} texels of the maps are in no painted pixel; filled from around them",
+                made.unconstrained.len()
+            ));
+        }
+        let record = PaintRecord { settings: params, uv: scene.uv.clone() };
+        let file = PaintedFile { material: made.material.clone(), record };
+        let bytes = painted_to_bytes(&file)?;
+        folder.write("material.safetensors", &bytes)?;
+        let strips = self.write_pictures(&mut folder, &made, &painted)?;
+        // `brdf`, by which the folder is known as ours, comes first of all keys.
+        let report = json!({
+            "brdf": env!("CARGO_PKG_VERSION"), "scene": self.scene, "output": self.output,
+            "rms": { "train": made.errors.rms, "held_out": held_out_errors.map(|e| e.rms) },
+            "max": { "train": made.errors.max, "held_out": held_out_errors.map(|e| e.max) },
+            "products": made.material.components.len(), "samples": training.len(),
+            "unconstrained_texels": unconstrained, "smoothed_texels": made.smoothed_texels,
+            "skipped": training.skipped, "bytes": bytes.len(),
+            "seconds": start.elapsed().as_secs_f64(), "settings": params, "notes": notes,
+        });
+        folder.write("report.html", page(&report, &strips, &notes).as_bytes())?;
+        let report = serde_json::to_string_pretty(&report)? + "\n";
+        folder.write("report.json", report.as_bytes())?;
+        folder.finish()?;
+        drop(progress);
+        if self.json {
+            out.write_all(report.as_bytes())?;
+            return Ok(ExitCode::SUCCESS);
+        }
+        writeln!(out, "{}: {}", self.output.display(), shown_bytes(bytes.len()))?;
+        writeln!(
+            out,
+            "  RMS {} of {} painted pixels",
+            significant(made.errors.rms),
+            training.len()
+        )?;
+        if let Some(errors) = held_out_errors {
+            writeln!(out, "  RMS {} of pixels that were not used", significant(errors.rms))?;
+        }
+        notes.iter().try_for_each(|note| writeln!(out, "  {note}"))?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn params(&self, wraps: bool) -> PaintParams {
+        PaintParams {
+            mode: match self.mode {
+                ModeArg::Brdf => Mode::Brdf,
+                ModeArg::FourFactor => Mode::FourFactor,
+                ModeArg::MaterialMap => Mode::MaterialMap,
+                ModeArg::Hybrid => Mode::Hybrid,
+            },
+            solver: match self.solver {
+                SolverArg::Paper => SolverChoice::Paper,
+                SolverArg::Alternating => SolverChoice::Alternating,
+            },
+            products: self.products,
+            texels: self.texels,
+            surface_size: self.surface_size,
+            map_size: self.map_size,
+            smoothing: self.smoothing,
+            offset: self.log_map,
+            wraps,
+        }
+    }
+
+    /// Views that were painted, and what should be said about the others.
+    fn read_views(&self, scene: &Scene) -> anyhow::Result<(Vec<Painted>, Vec<String>)> {
+        let folder = self.scene.join("painted");
+        let (mut painted, mut missing) = (Vec::new(), Vec::new());
+        for view in &scene.views {
+            let found: Vec<PathBuf> = ["png", "exr", "jpg"]
+                .map(|kind| folder.join(format!("{}.{kind}", view.name)))
+                .into_iter()
+                .filter(|path| path.exists())
+                .collect();
+            match &found[..] {
+                [] => missing.push(view.name.as_str()),
+                [path] => {
+                    let exact = self.scene.join("buffers").join(format!("{}.exr", view.name));
+                    let (buffers, image) = (read_buffers(&exact)?, read_painting(path)?);
+                    painted.push(Painted { name: view.name.clone(), buffers, image });
+                }
+                [first, second, ..] => bail!(
+                    "{} and {}: two paintings of one view; remove one",
+                    first.display(),
+                    second.display()
+                ),
+            }
+        }
+        if painted.is_empty() {
+            bail!(
+                "{}: no painting; save them as {}.png and so on, over the guides beside it",
+                folder.display(),
+                missing.first().unwrap_or(&"view00")
+            );
+        }
+        let notes = if missing.is_empty() {
+            Vec::new()
+        } else {
+            vec![format!("not painted: {}", missing.join(", "))]
+        };
+        Ok((painted, notes))
+    }
+
+    /// Errors of views and lights between the painted ones, where what was painted is known.
+    fn truth_errors(
+        &self,
+        scene: &Scene,
+        made: &Extraction,
+        notes: &mut Vec<String>,
+    ) -> anyhow::Result<Option<PaintErrors>> {
+        let Some(record) = &scene.truth else { return Ok(None) };
+        let mesh = match open_mesh(Path::new(&scene.mesh), UvArg::find(&scene.uv)) {
+            Ok(mesh) => mesh,
+            Err(error) => {
+                notes.push(format!("no held-out views: {error:#}"));
+                return Ok(None);
+            }
+        };
+        let subjects: Vec<Subject> = record
+            .materials
+            .iter()
+            .map(|name| Subject::open(name, &ReadOptions::default()))
+            .collect::<anyhow::Result<_>>()?;
+        let Some(mut truth) = blended(&subjects) else { return Ok(None) };
+        truth.scale = record.scale;
+        let mut samples = PaintSamples::new();
+        for (at, view) in face_views(&mesh).iter().enumerate() {
+            let buffers = ViewBuffers::of(&mesh, view, scene.size, scene.size);
+            samples.add(at, &view.name, &buffers, &truth.paint(&buffers), self.least_cosine)?;
+        }
+        Ok(Some(samples.errors(&made.material)))
+    }
+
+    /// Pictures of views, maps and products, with captions, as PNG.
+    fn write_pictures(
+        &self,
+        folder: &mut OutputFolder,
+        made: &Extraction,
+        painted: &[Painted],
+    ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+        let mut pictures = Vec::new();
+        for (at, Painted { name, buffers, image }) in painted.iter().enumerate() {
+            let strip = png(&view_strip(name, buffers, image, &made.material))?;
+            folder.write(&format!("view-{}.png", at + 1), &strip)?;
+            let held = if self.hold_out.contains(name) { ", held out" } else { "" };
+            pictures.push((format!("{name}{held}"), strip));
+        }
+        let light = Light::Directional(DirectionalLight::default());
+        for (at, component) in made.material.components.iter().enumerate() {
+            let film = render_sphere(component.product.angular(), &light, &SphereView::default());
+            let sphere = png(&ToneMap::exposed_for(&film).apply(&film))?;
+            pictures.push((format!("product {}, factors of directions", at + 1), sphere));
+            let Some(map) = &component.coefficients else { continue };
+            let picture = png(&map_view(map))?;
+            folder.write(&format!("map-{}.png", at + 1), &picture)?;
+            let exr = write_exr(map.size, map.size, &[("Y", map.values.clone())])?;
+            folder.write(&format!("map-{}.exr", at + 1), &exr)?;
+            pictures.push((format!("map {}", at + 1), picture));
+        }
+        if !made.unconstrained.is_empty() {
+            let coverage = png(&coverage_view(self.map_size, &made.unconstrained))?;
+            folder.write("coverage.png", &coverage)?;
+            pictures.push(("coverage: violet was filled".to_owned(), coverage));
+        }
+        Ok(pictures)
+    }
+}
+
+fn page(report: &Value, pictures: &[(String, Vec<u8>)], notes: &[String]) -> String {
+    document(
+        "painted material",
+        &html! {
+            p {
+                "RMS " (report["rms"]["train"]) " over " (report["samples"]) " painted pixels; of views and lights "
+                "that were not used: " (report["rms"]["held_out"]) "."
+            }
+            ul { @for note in notes { li { (note) } } }
+            @for (caption, bytes) in pictures {
+                figure { (picture(bytes, caption)) figcaption { (caption) } }
+            }
+            h2 { "Settings" }
+            pre { (serde_json::to_string_pretty(&report["settings"]).unwrap_or_default()) }
+        },
+    )
+}

@@ -1,0 +1,166 @@
+//! `brdf paint setup`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use brdf_io::{
+    OutputFolder, ReadOptions, Scene, TruthRecord, buffers_to_exr, painting_to_exr, read_views,
+    scene_to_toml,
+};
+use brdf_model::Brdf;
+use brdf_paint::{BlendedTruth, View, ViewBuffers, vertex_views};
+use brdf_render::Mesh;
+use serde_json::json;
+
+use super::report::guide;
+use crate::args::usage;
+use crate::meshes::{UvArg, open_mesh};
+use crate::pictures::png;
+use crate::progress::Progress;
+use crate::subject::Subject;
+
+/// Prepare views of an object for painting
+///
+/// Writes scene.toml (cameras and lights), guides/NAME.png to paint over, and buffers/NAME.exr with normal,
+/// light, view and texture coordinates of every pixel. With --truth the paintings are rendered instead, and
+/// `extract` also judges views and lights that were not painted.
+///
+/// Photographs: give their cameras and lights with --views, and save them as painted/NAME.png or .exr.
+///
+/// Example: brdf paint setup bunny.ply -o scene/
+#[derive(clap::Args)]
+pub(in crate::commands) struct Setup {
+    /// Object to paint, PLY or OBJ, y up; or shape:torus
+    mesh: PathBuf,
+
+    /// Scene to write
+    #[arg(short, long, value_name = "FOLDER", default_value = "scene")]
+    output: PathBuf,
+
+    /// 12 for the corners of an icosahedron, or a file of views (TOML, [[view]] with name, eye, target, up,
+    /// fov_deg, and light_direction or light_position)
+    #[arg(long, value_name = "12|FILE", default_value = "12")]
+    views: String,
+
+    /// Pixels along each side of the pictures
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    size: u32,
+
+    /// Texture coordinates [default: the file's, or those of the sphere]
+    #[arg(long, value_enum)]
+    uv: Option<UvArg>,
+
+    /// Render the paintings: three materials, blended over the surface
+    #[arg(long, value_name = "MODEL,MODEL,MODEL", value_delimiter = ',', num_args = 3)]
+    truth: Vec<String>,
+
+    /// Write into a folder that holds other files; paintings stay unless --truth renders them
+    #[arg(long)]
+    force: bool,
+
+    /// Print what was made as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Setup {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        let mesh = open_mesh(&self.mesh, self.uv)?;
+        let uv =
+            self.uv.unwrap_or(if mesh.has_own_coordinates() { UvArg::File } else { UvArg::Sphere });
+        let views = self.open_views(&mesh)?;
+        let size = self.size as usize;
+        let progress = Progress::new(views.len() as u64 + 1);
+        progress.step("casting rays");
+        let buffers: Vec<ViewBuffers> =
+            views.iter().map(|view| ViewBuffers::of(&mesh, view, size, size)).collect();
+        for (view, buffers) in views.iter().zip(&buffers) {
+            if buffers.pixels.iter().flatten().next().is_none() {
+                bail!("view {}: the object is not in the picture", view.name);
+            }
+        }
+        let subjects: Vec<Subject> = self
+            .truth
+            .iter()
+            .map(|name| Subject::open(name, &ReadOptions::default()))
+            .collect::<anyhow::Result<_>>()?;
+        let truth = blended(&subjects).map(|truth| truth.scaled_for(&buffers));
+        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let (guides, exact) = (folder.create_folder("guides")?, folder.create_folder("buffers")?);
+        let painted = if truth.is_some() || !self.output.join("painted").exists() {
+            Some(folder.create_folder("painted")?)
+        } else {
+            None
+        };
+        let write = |place: &Path, name: String, bytes: Vec<u8>| {
+            std::fs::write(place.join(&name), bytes).with_context(|| format!("writing {name}"))
+        };
+        for (view, buffers) in views.iter().zip(&buffers) {
+            progress.step(view.name.clone());
+            write(&guides, format!("{}.png", view.name), png(&guide(buffers))?)?;
+            write(&exact, format!("{}.exr", view.name), buffers_to_exr(buffers)?)?;
+            if let (Some(truth), Some(painted)) = (&truth, &painted) {
+                let image = painting_to_exr(&truth.paint(buffers))?;
+                write(painted, format!("{}.exr", view.name), image)?;
+            }
+            progress.done(1);
+        }
+        let truth = truth.as_ref().and_then(|truth| {
+            let materials = <[String; 3]>::try_from(self.truth.clone()).ok()?;
+            Some(TruthRecord { materials, scale: truth.scale })
+        });
+        let mesh = self.mesh.to_string_lossy().into_owned();
+        let uv = uv.name().to_owned();
+        let scene = Scene { mesh, uv, size, views, truth };
+        folder.write("scene.toml", scene_to_toml(&scene)?.as_bytes())?;
+        let pixels: usize = buffers.iter().map(|b| b.pixels.iter().flatten().count()).sum();
+        let lit =
+            |b: &ViewBuffers| b.pixels.iter().flatten().filter(|s| s.is_seen_and_lit()).count();
+        let lit: usize = buffers.iter().map(lit).sum();
+        // `brdf`, by which the folder is known as ours, comes first of all keys.
+        let report = json!({
+            "brdf": env!("CARGO_PKG_VERSION"), "scene": self.output, "views": scene.views.len(),
+            "size": size, "pixels": pixels, "lit_pixels": lit, "uv": scene.uv,
+            "truth": scene.truth,
+        });
+        let report = serde_json::to_string_pretty(&report)? + "\n";
+        folder.write("report.json", report.as_bytes())?;
+        folder.finish()?;
+        drop(progress);
+        if self.json {
+            out.write_all(report.as_bytes())?;
+        } else {
+            let count = scene.views.len();
+            writeln!(out, "{}: {count} views of {size}², {lit} lit pixels", self.output.display())?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn open_views(&self, mesh: &Mesh) -> anyhow::Result<Vec<View>> {
+        let views = match self.views.parse::<usize>() {
+            Ok(12) => vertex_views(mesh),
+            Ok(count) => {
+                return Err(usage(format!(
+                    "--views {count}: expected 12, or a file that lists views"
+                )));
+            }
+            Err(_) => {
+                let path = Path::new(&self.views);
+                let text = std::fs::read_to_string(path)
+                    .with_context(|| format!("{}: reading", path.display()))?;
+                read_views(&text).with_context(|| path.display().to_string())?
+            }
+        };
+        views.iter().try_for_each(|view| view.check(mesh))?;
+        Ok(views)
+    }
+}
+
+/// The blend of three materials, unscaled.
+pub(super) fn blended(subjects: &[Subject]) -> Option<BlendedTruth<'_>> {
+    let [a, b, c] = subjects else { return None };
+    let brdfs: [&dyn Brdf; 3] = [a.brdf(), b.brdf(), c.brdf()];
+    Some(BlendedTruth { brdfs, scale: 1.0 })
+}
