@@ -4,10 +4,10 @@
 use std::time::Instant;
 
 use brdf_factor::{
-    Coordinate, CrossValidation, FactorError, FactorParams, FactorSpec, Fit, LogMap, TermSolve,
-    cross_validate, factorize, factorize_terms,
+    Coordinate, CrossValidation, FactorError, FactorParams, FactorSpec, Fit, Inversion, LogMap,
+    Plan, Preinverted, Problem, TermSolve, cross_validate, factorize, factorize_terms,
 };
-use brdf_io::{FitSettings, TermRecord};
+use brdf_io::{BasisFile, FitSettings, TermRecord};
 use brdf_model::{
     Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, largest_albedo, log_offsets,
     measure,
@@ -44,6 +44,8 @@ pub(crate) enum Method {
     Terms(Vec<FactorSpec>),
     /// A search finds a model for every number of terms.
     Search(SearchPlan),
+    /// The matrix was inverted before.
+    With(Box<BasisFile>),
 }
 
 /// Models by number of terms, their errors, and McCool's beside them.
@@ -106,7 +108,7 @@ pub(crate) fn run(
             let samples = training.for_search(subject, channels, settings, plan.families.len());
             Some(plan.run(&samples, &settings.params, progress)?)
         }
-        Method::Together(_) | Method::Terms(_) => None,
+        Method::Together(_) | Method::Terms(_) | Method::With(_) => None,
     };
     progress.step("fitting");
     let models = match (method, &found) {
@@ -116,8 +118,19 @@ pub(crate) fn run(
             found.outcome.terms.iter().map(|t| found.family.specs(&t.projections)).collect()
         }
         (Method::Search(_), None) => Vec::new(),
+        (Method::With(basis), _) => {
+            vec![basis.record.plan.factors.iter().map(|(spec, _)| spec.clone()).collect()]
+        }
     };
-    let fits = fit_models(&training.fitted, &models, &settings.params)?;
+    let fits = match method {
+        Method::With(basis) => {
+            let BasisFile { inverse, record } = &**basis;
+            let problem = Problem::new(&training.fitted, &settings.params)?;
+            let (plan, inverse) = (record.plan.clone(), inverse.clone());
+            vec![Preinverted::restore(&problem, &[], plan, inverse, &record.key)?.fit(&problem)?]
+        }
+        _ => fit_models(&training.fitted, &models, &settings.params)?,
+    };
     let seconds = start.elapsed().as_secs_f64();
     progress.done(2);
 
@@ -166,6 +179,20 @@ pub(crate) fn run(
         albedo,
         scattered_coverage,
     })
+}
+
+/// The inverted matrix of a material's samples, for others at the same places.
+pub(crate) fn preinvert(
+    subject: &Subject,
+    channels: Channels,
+    specs: &[FactorSpec],
+    settings: &FitSettings,
+    inversion: Inversion,
+) -> Result<Preinverted, FactorError> {
+    let training = Training::new(subject, channels, settings);
+    let problem = Problem::new(&training.fitted, &settings.params)?;
+    let plan = Plan::of(specs, settings.params.texture_size);
+    Preinverted::new(&problem, &[], plan, inversion)
 }
 
 /// The textures of every model: each on its own, or each with the textures that the one before

@@ -68,6 +68,11 @@ impl SurfaceProduct {
         &self.angular
     }
 
+    /// The same, alone.
+    pub fn into_angular(self) -> FactoredBrdf {
+        self.angular
+    }
+
     /// The factor of the surface.
     pub fn surface(&self) -> Option<&SurfaceTexture> {
         self.surface.as_ref()

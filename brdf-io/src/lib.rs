@@ -33,11 +33,11 @@ pub use btf::{
     UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_btf_image, read_map,
 };
 pub use container::{
-    BtfModelFile, BtfRecord, Contained, FitRecord, FitSettings, ModelFile, PaintRecord,
-    PaintedFile, RankRecord, SearchSettings, SeparableFile, SeparableRecord, SeparableSettings,
-    TermRecord, btf_model_to_bytes, model_to_bytes, open_btf_model, painted_to_bytes,
-    parse_btf_model, parse_painted, read_container, record_of, samples_to_bytes,
-    separable_to_bytes, table_to_bytes,
+    BasisFile, BasisRecord, BtfModelFile, BtfRecord, Contained, FitRecord, FitSettings, ModelFile,
+    PaintRecord, PaintedFile, RankRecord, SearchSettings, SeparableFile, SeparableRecord,
+    SeparableSettings, TermRecord, basis_to_bytes, btf_model_to_bytes, model_to_bytes,
+    open_btf_model, painted_to_bytes, parse_basis, parse_btf_model, parse_painted, read_container,
+    record_of, samples_to_bytes, separable_to_bytes, table_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};
 pub use detect::{Format, detect};

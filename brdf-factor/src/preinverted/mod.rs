@@ -20,7 +20,7 @@ pub use basis::{Damping, SpectralBasis};
 
 use crate::factorization::{settle_constants, store};
 use crate::{
-    ChannelMap, CholeskyFactor, Columns, Factor, FactorError, FactorSpec, FactoredBrdf,
+    ChannelMap, CholeskyFactor, Columns, Factor, FactorError, FactorSpec, FactoredBrdf, Fit,
     LinearSystem, LogMap, NormalEquations, Problem, Solver, SurfaceProduct, SurfaceTexture, Weight,
 };
 
@@ -287,6 +287,41 @@ impl Preinverted {
                 basis.expand(&workspace.coefficients, &mut workspace.solution);
             }
         }
+    }
+
+    /// Fits a problem of samples at the places that this was made for, as
+    /// [`factorize`](crate::factorize) does.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Factors`] where there is a factor over the surface, which no [`FactoredBrdf`] has.
+    ///
+    /// # Panics
+    ///
+    /// Unless there is a value for each sample.
+    pub fn fit(&self, problem: &Problem) -> Result<Fit, FactorError> {
+        if self.plan.surface.is_some() {
+            return Err(FactorError::Factors {
+                found: "a factor over the surface".to_owned(),
+                expected: "factors of directions alone",
+            });
+        }
+        let values: Vec<Vec<f64>> =
+            problem.values().iter().map(|values| problem.in_given_order(values)).collect();
+        let mut workspace = self.workspace(values.len());
+        self.solve(&values, problem.maps(), &mut workspace);
+        Ok(Fit {
+            model: self.model(&workspace, problem.maps())?.into_angular(),
+            samples_used: problem.len(),
+            dropped: problem.dropped(),
+            clamped: problem.clamped(),
+            unknowns: self.unknowns(),
+            smoothed_texels: self.untouched_texels().iter().map(Vec::len).sum(),
+            solver: Solver::Cholesky,
+            iterations: 0,
+            converged: true,
+            predictions: self.predictions(&workspace),
+        })
     }
 
     /// What the solution gives for the samples, as fitted, by channel in the order in which they were

@@ -13,6 +13,8 @@
 //! A painted material: tensors `product0.factor0` … of the factors of each product, as of a factored model,
 //! `product0.surface`, `[v, u, channel]`, and `map0`, `[v, u]`, where it has them, all f32.
 //!
+//! A preinverted matrix: `cholesky`, f64 `[column, row]`, or `vectors`, f64 `[component, unknown]`, and `weights`.
+//!
 //! A compressed BTF: packed books as tensors of bytes.
 //!
 //! A MERL-grid table: one tensor `cells`, f32 `[theta_h, theta_d, phi_d, channel]`, negative where
@@ -30,10 +32,12 @@ use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 
+mod basis;
 mod btf;
 mod painted;
 mod separable;
 
+pub use basis::{BasisFile, BasisRecord, basis_to_bytes, parse_basis};
 pub use btf::{BtfModelFile, BtfRecord, btf_model_to_bytes, open_btf_model, parse_btf_model};
 pub use painted::{PaintRecord, PaintedFile, painted_to_bytes, parse_painted};
 pub use separable::{
@@ -57,6 +61,7 @@ enum Kind {
     BtfVq,
     BtfLpca,
     Painted,
+    Basis,
 }
 
 /// The part of the record that every kind has.
@@ -300,6 +305,12 @@ pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, For
             return Err(FormatError::Missing {
                 what: "BRDF: this is a painted material, which varies over a surface".to_owned(),
                 expected: "`brdf paint preview` for it".to_owned(),
+            });
+        }
+        Kind::Basis => {
+            return Err(FormatError::Missing {
+                what: "BRDF: this is a preinverted matrix".to_owned(),
+                expected: "`brdf factor MODEL --with` for it".to_owned(),
             });
         }
         Kind::BtfVq | Kind::BtfLpca => {

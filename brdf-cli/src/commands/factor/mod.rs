@@ -2,6 +2,7 @@
 
 mod keep;
 mod plan;
+mod preinvert;
 mod separable;
 
 use std::io::Write;
@@ -15,6 +16,7 @@ use brdf_model::{Channels, SampleSet};
 
 use self::keep::KeepArgs;
 use self::plan::SearchArgs;
+use self::preinvert::PreinvertArgs;
 use self::separable::SeparableArgs;
 use crate::args::{PairArgs, ReadArgs, not_negative};
 use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
@@ -43,6 +45,8 @@ use crate::subject::Subject;
 ///   brdf factor preset:ggx --method mccool         two textures over fixed coordinates, at once
 ///   brdf factor preset:ggx --method projections --projections planes.toml --space half-difference
 ///   brdf factor preset:plastic --method eigen --rank 16       sums of products, for relighting
+///   brdf factor silk.binary --method mccool --preinvert basis.safetensors     keep the inverse
+///   brdf factor gold.binary --with basis.safetensors -o gold                  and use it again
 ///   brdf factor silk.binary --method log-svd --space half-difference --isotropic --rank 8
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -130,6 +134,9 @@ pub(super) struct Factor {
     keep: KeepArgs,
 
     #[command(flatten)]
+    preinvert: PreinvertArgs,
+
+    #[command(flatten)]
     read: ReadArgs,
 }
 
@@ -142,7 +149,11 @@ impl Factor {
             return self.run_separable(out);
         }
         self.check_homomorphic()?;
-        let method = self.plan()?;
+        let method = match self.preinvert.open()? {
+            Some(basis) => Method::With(Box::new(basis)),
+            None => self.plan()?,
+        };
+        let inversion = self.preinvert.inversion(&method)?;
         let subject = Subject::open(&self.input, &self.read.options())?;
         // Opened first, so that an output that cannot be written is known before the work.
         let mut folder = OutputFolder::new(&self.output, self.force)?;
@@ -152,6 +163,12 @@ impl Factor {
         finish_on_interrupt();
         let outcome = fitting::run(&subject, channels, &method, &settings, &progress)
             .with_context(|| self.input.clone())?;
+        if let (Some(inversion), Method::Together(specs)) = (inversion, &method) {
+            progress.step("inverting");
+            let inverted = fitting::preinvert(&subject, channels, specs, &settings, inversion)
+                .with_context(|| self.input.clone())?;
+            self.preinvert.write(&inverted, self.method.name(), &settings, self.force)?;
+        }
         let report = self.report(&subject, &outcome, settings, &method, channels);
 
         progress.step("rendering");
@@ -175,6 +192,9 @@ impl Factor {
     }
 
     fn settings(&self, subject: &Subject, method: &Method) -> FitSettings {
+        if let Method::With(basis) = method {
+            return basis.record.settings.clone();
+        }
         let replicate = match (self.replicate, self.method) {
             (Some(copies), _) => copies,
             (None, MethodArg::Radial) => 1,
@@ -190,7 +210,7 @@ impl Factor {
                 weight: self.weight.into(),
                 terms: match method {
                     Method::Search(plan) => plan.term_solve(),
-                    Method::Together(_) | Method::Terms(_) => TermSolve::All,
+                    Method::Together(_) | Method::Terms(_) | Method::With(_) => TermSolve::All,
                 },
                 theta_max: self.pairs.theta_max(),
                 solver: None,
@@ -201,7 +221,7 @@ impl Factor {
             replicate,
             search: match method {
                 Method::Search(plan) => Some(plan.settings()),
-                Method::Together(_) | Method::Terms(_) => None,
+                Method::Together(_) | Method::Terms(_) | Method::With(_) => None,
             },
         }
     }
@@ -243,7 +263,11 @@ impl Factor {
             _ => None,
         };
         notes.extend(fit_notes(outcome));
-        Report::new(subject, outcome, settings, self.method.name(), search, channels, notes)
+        let name = match method {
+            Method::With(_) => "preinverted",
+            _ => self.method.name(),
+        };
+        Report::new(subject, outcome, settings, name, search, channels, notes)
     }
 }
 

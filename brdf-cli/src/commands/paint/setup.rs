@@ -53,7 +53,7 @@ pub(in crate::commands) struct Setup {
     uv: Option<UvArg>,
 
     /// Render the paintings: three materials, blended over the surface
-    #[arg(long, value_name = "MODEL,MODEL,MODEL", value_delimiter = ',', num_args = 3)]
+    #[arg(long, value_name = "MODEL,MODEL,MODEL", value_delimiter = ',')]
     truth: Vec<String>,
 
     /// Write into a folder that holds other files; paintings stay unless --truth renders them
@@ -67,6 +67,13 @@ pub(in crate::commands) struct Setup {
 
 impl Setup {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        if !matches!(self.truth.len(), 0 | 3) {
+            let count = self.truth.len();
+            return Err(usage(format!(
+                "--truth: {count} materials; expected three, separated by commas"
+            )));
+        }
+        let mut folder = OutputFolder::new(&self.output, self.force)?;
         let mesh = open_mesh(&self.mesh, self.uv)?;
         let uv =
             self.uv.unwrap_or(if mesh.has_own_coordinates() { UvArg::File } else { UvArg::Sphere });
@@ -87,7 +94,6 @@ impl Setup {
             .map(|name| Subject::open(name, &ReadOptions::default()))
             .collect::<anyhow::Result<_>>()?;
         let truth = blended(&subjects).map(|truth| truth.scaled_for(&buffers));
-        let mut folder = OutputFolder::new(&self.output, self.force)?;
         let (guides, exact) = (folder.create_folder("guides")?, folder.create_folder("buffers")?);
         let painted = if truth.is_some() || !self.output.join("painted").exists() {
             Some(folder.create_folder("painted")?)

@@ -1,0 +1,180 @@
+//! `brdf paint` from a scene to a picture, and preinverted factorization.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn brdf(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("the binary runs")
+}
+
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = brdf(folder, arguments);
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "brdf {arguments:?}: {err}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&succeed(folder, arguments)).expect("JSON")
+}
+
+/// The one line of a command that must fail.
+fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = brdf(folder, arguments);
+    let err = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "brdf {arguments:?}: {err}");
+    if code == 1 {
+        assert_eq!(err.trim_end().lines().count(), 1, "one line: {err}");
+    }
+    err
+}
+
+const TRUTH: &str = "preset:lafortune-blue-paint,preset:red-plastic,preset:ggx";
+
+fn setup(folder: &Path, more: &[&str]) -> Value {
+    let plain = ["paint", "setup", "shape:torus", "--uv", "sphere", "--size", "48", "--json"];
+    json(folder, &[&plain[..], more].concat())
+}
+
+#[test]
+fn a_rendered_scene_becomes_a_material_that_holds_elsewhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let made = setup(folder, &["--truth", TRUTH]);
+    assert_eq!((made["views"].as_u64(), made["uv"].as_str()), (Some(12), Some("sphere")));
+    let extract = ["paint", "extract", "scene", "--products", "3", "--map-size", "32", "--json"];
+    let report = json(folder, &extract);
+    let (train, held_out) =
+        (report["rms"]["train"].as_f64().unwrap(), report["rms"]["held_out"].as_f64().unwrap());
+    assert!(train < 0.06 && held_out < 0.08, "{train}, {held_out}");
+    assert_eq!(report["products"], 3);
+    for key in ["max", "unconstrained_texels", "seconds", "samples", "skipped", "notes"] {
+        assert!(!report[key].is_null(), "{key}");
+    }
+    for name in ["material.safetensors", "map-3.exr", "coverage.png", "view-12.png", "report.html"]
+    {
+        assert!(folder.join("material").join(name).exists(), "{name}");
+    }
+    let first = fs::read(folder.join("material/material.safetensors")).unwrap();
+    json(folder, &extract);
+    let again = fs::read(folder.join("material/material.safetensors")).unwrap();
+    assert!(first == again, "the same bytes");
+    let view = ["--size", "48", "--ground", "--view-deg", "40,30", "-o", "p.png"];
+    let preview = ["paint", "preview", "material", "--mesh", "shape:torus"];
+    succeed(folder, &[&preview[..], &view[..]].concat());
+    let picture = image::open(folder.join("p.png")).unwrap().into_rgb8();
+    let brightest = picture.pixels().map(|p| p.0[0]).max().unwrap();
+    assert!(brightest > 120, "lit: {brightest}");
+
+    let paper = ["--solver", "paper", "--mode", "hybrid", "-o", "paper"];
+    let paper = json(folder, &[&extract[..], &paper[..]].concat());
+    assert!(paper["rms"]["train"].as_f64().unwrap() > train, "turns are better");
+    let held =
+        json(folder, &[&extract[..], &["--hold-out", "view03,view07", "-o", "held"]].concat());
+    assert!(held["samples"].as_u64() < report["samples"].as_u64());
+    for mode in ["brdf", "four-factor"] {
+        let report = json(folder, &[&extract[..], &["--mode", mode, "-o", mode]].concat());
+        assert_eq!(report["products"], 1);
+    }
+}
+
+#[test]
+fn hand_made_paintings_count_where_they_are_opaque() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    setup(folder, &[]);
+    let error = fail(folder, &["paint", "extract", "scene"], 1);
+    assert!(error.contains("no painting"), "{error}");
+    let paint = |name: &str, size: u32, opaque: u8| {
+        let colour = image::Rgba([180, 90, 40, opaque]);
+        let picture = image::RgbaImage::from_pixel(size, size, colour);
+        picture.save(folder.join("scene/painted").join(name)).unwrap();
+    };
+    paint("view00.png", 48, 0);
+    let error = fail(folder, &["paint", "extract", "scene"], 1);
+    assert!(error.contains("transparent"), "{error}");
+    paint("view00.png", 40, 255);
+    let error = fail(folder, &["paint", "extract", "scene"], 1);
+    assert!(error.contains("view00") && error.contains("48"), "{error}");
+    paint("view00.png", 48, 255);
+    fs::write(folder.join("scene/painted/view01.png"), b"no picture").unwrap();
+    let error = fail(folder, &["paint", "extract", "scene"], 1);
+    assert!(error.contains("view01.png"), "{error}");
+    fs::remove_file(folder.join("scene/painted/view01.png")).unwrap();
+    let report = json(folder, &["paint", "extract", "scene", "--mode", "brdf", "--json"]);
+    let notes = report["notes"].to_string();
+    assert!(
+        notes.contains("not painted: view01") && notes.contains("beside the object"),
+        "{notes}"
+    );
+    assert!(report["rms"]["held_out"].is_null());
+
+    // A second set-up keeps what was painted.
+    let error = fail(folder, &["paint", "setup", "shape:torus"], 1);
+    assert!(error.contains("scene"), "{error}");
+    setup(folder, &["--force"]);
+    assert!(folder.join("scene/painted/view00.png").exists());
+    fail(folder, &["paint", "setup", "shape:torus", "--views", "7", "-o", "x"], 2);
+    fail(folder, &["paint", "setup", "shape:torus", "--truth", "preset:ggx", "-o", "x"], 2);
+    let light = "[[view]]\nname = \"in\"\neye = [0, 0, 9]\ntarget = [0, 0, 0]\nup = [0, 1, 0]\n\
+        fov_deg = 30\nlight_position = [0, 0, 0.1]\n";
+    fs::write(folder.join("views.toml"), light).unwrap();
+    let inside =
+        fail(folder, &["paint", "setup", "shape:torus", "--views", "views.toml", "-o", "x"], 1);
+    assert!(inside.contains("inside"), "{inside}");
+    fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    let flat = fail(folder, &["paint", "setup", "flat.obj", "-o", "x"], 1);
+    assert!(flat.contains("flat.obj") && flat.contains("degenerate"), "{flat}");
+    let other = fail(folder, &["paint", "preview", "views.toml", "--mesh", "shape:torus"], 1);
+    assert!(other.contains("views.toml"), "{other}");
+}
+
+#[test]
+fn an_inverted_matrix_serves_materials_at_the_same_places() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let plain = ["factor", "preset:ggx", "--method", "mccool", "--texture-size", "8"];
+    let samples = ["--samples", "3000"];
+    let arguments =
+        [&plain[..], &samples, &["--preinvert", "basis.safetensors", "--json"]].concat();
+    json(folder, &arguments);
+    let with = ["factor", "preset:cook-torrance", "--with", "basis.safetensors", "-o", "with"];
+    let reused = json(folder, &[&with[..], &["--json"]].concat());
+    let direct = ["factor", "preset:cook-torrance", "--method", "mccool", "--texture-size", "8"];
+    let direct = json(folder, &[&direct[..], &samples, &["-o", "direct", "--json"]].concat());
+    let error = |report: &Value| report["terms"][0]["log"]["mean_square"].as_f64();
+    let (a, b) = (error(&reused).unwrap(), error(&direct).unwrap());
+    assert!((a / b - 1.0).abs() < 1e-6, "{a} and {b}");
+    let svd =
+        ["--components", "60", "--damping", "linear", "--preinvert", "b.safetensors", "--force"];
+    json(folder, &[&plain[..], &samples, &svd, &["--json"]].concat());
+    let with = ["factor", "preset:cook-torrance", "--with", "b.safetensors", "-o", "svd", "--json"];
+    let coarse = error(&json(folder, &with)).unwrap();
+    assert!(coarse > a, "60 components of more: {coarse} and {a}");
+
+    fail(folder, &["factor", "--preinvert", "x.safetensors"], 2);
+    fail(folder, &["factor", "--with", "basis.safetensors", "--samples", "4"], 2);
+    fs::write(
+        folder.join("rows.csv"),
+        "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,value\n\
+        10,0,20,180,0.5\n30,0,40,180,0.4\n",
+    )
+    .unwrap();
+    let other = fail(folder, &["factor", "rows.csv", "--with", "basis.safetensors", "-o", "y"], 1);
+    assert!(other.contains("make a basis"), "{other}");
+    let model = fail(folder, &["factor", "--with", "with/model.safetensors", "-o", "z"], 1);
+    assert!(model.contains("another kind"), "{model}");
+}

@@ -1,0 +1,158 @@
+//! Materials made of rendered paintings.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use brdf_model::{Analytic, Brdf, Preset, Rgb};
+use brdf_paint::{
+    BlendedTruth, Extraction, Mode, PaintError, PaintParams, PaintSamples, PaintedImage,
+    SolverChoice, View, ViewBuffers, extract, face_views, vertex_views,
+};
+use brdf_param::DirectionPair;
+use brdf_render::{Mesh, Soup};
+
+const SIZE: usize = 64;
+
+fn torus() -> Mesh {
+    Mesh::new(Soup::torus()).unwrap().0.with_sphere_coordinates()
+}
+
+fn presets() -> [Analytic; 3] {
+    ["lafortune-blue-paint", "red-plastic", "ggx"].map(|name| Preset::find(name).unwrap().brdf())
+}
+
+fn buffers(mesh: &Mesh, views: &[View]) -> Vec<ViewBuffers> {
+    views.iter().map(|view| ViewBuffers::of(mesh, view, SIZE, SIZE)).collect()
+}
+
+fn samples(truth: &BlendedTruth<'_>, views: &[ViewBuffers]) -> PaintSamples {
+    let mut samples = PaintSamples::new();
+    for (view, buffers) in views.iter().enumerate() {
+        samples.add(view, "view", buffers, &truth.paint(buffers), 0.1).unwrap();
+    }
+    samples
+}
+
+fn params(mode: Mode, solver: SolverChoice) -> PaintParams {
+    PaintParams {
+        mode,
+        solver,
+        products: 3,
+        texels: 32,
+        map_size: 64,
+        surface_size: 16,
+        wraps: true,
+        ..PaintParams::default()
+    }
+}
+
+fn made(samples: &PaintSamples, params: &PaintParams) -> Extraction {
+    extract(samples, params, &|_| ()).unwrap()
+}
+
+#[test]
+fn turns_find_three_blended_materials_where_the_published_way_does_not() {
+    let (mesh, brdfs) = (torus(), presets());
+    let painted = buffers(&mesh, &vertex_views(&mesh));
+    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 1.0 };
+    let truth = truth.scaled_for(&painted);
+    let training = samples(&truth, &painted);
+    let held_out = samples(&truth, &buffers(&mesh, &face_views(&mesh)));
+    let published = made(&training, &params(Mode::MaterialMap, SolverChoice::Paper));
+    let turns = made(&training, &params(Mode::MaterialMap, SolverChoice::Alternating));
+    assert!(turns.errors.rms < 0.5 * published.errors.rms, "{:?}", turns.errors);
+    let errors = [&published, &turns].map(|made| held_out.errors(&made.material).rms);
+    assert!(errors[1] < 0.5 * errors[0] && errors[1] < 0.05, "held out: {errors:?}");
+    for other in [&published, &turns] {
+        let recomputed = training.errors(&other.material);
+        assert!((recomputed.rms - other.errors.rms).abs() < 1e-9, "of the model that is returned");
+    }
+}
+
+/// A matt BRDF of three radial factors.
+struct Product;
+
+impl Brdf for Product {
+    fn eval(&self, pair: &DirectionPair) -> Rgb {
+        let radius = |w: glam::DVec3| w.truncate().length();
+        let value =
+            (1.2 - radius(pair.wi)) * (1.3 - radius(pair.wo)) * (-radius(pair.half())).exp();
+        Rgb::new(0.2, 0.1, 0.05) * value
+    }
+}
+
+#[test]
+fn a_single_product_is_found_by_every_mode() {
+    let mesh = torus();
+    let painted = buffers(&mesh, &vertex_views(&mesh));
+    let truth = BlendedTruth { brdfs: [&Product, &Product, &Product], scale: 1.0 };
+    let training = samples(&truth, &painted);
+    let mean = training.values.iter().map(|v| f64::from(v[1])).sum::<f64>() / training.len() as f64;
+    for mode in [Mode::Brdf, Mode::FourFactor] {
+        let params = PaintParams { offset: 1e-3, ..params(mode, SolverChoice::Paper) };
+        let made = made(&training, &params);
+        assert!(made.errors.rms < 0.01 * mean, "{mode:?}: {:?} of {mean}", made.errors);
+        assert_eq!(made.material.components.len(), 1);
+    }
+    for mode in [Mode::MaterialMap, Mode::Hybrid] {
+        let made = made(&training, &params(mode, SolverChoice::Alternating));
+        assert!(made.errors.rms < 0.03 * mean, "{mode:?}: {:?} of {mean}", made.errors);
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let (mesh, brdfs) = (torus(), presets());
+    let painted = buffers(&mesh, &vertex_views(&mesh)[..4]);
+    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.5 };
+    let training = samples(&truth, &painted);
+    let params = params(Mode::MaterialMap, SolverChoice::Alternating);
+    let [one, two] = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| made(&training, &params))
+    });
+    assert_eq!(one, two);
+}
+
+#[test]
+fn what_gives_no_sample_is_counted() {
+    let mesh = torus();
+    let buffers = &buffers(&mesh, &vertex_views(&mesh)[..1])[0];
+    let mut image =
+        PaintedImage { width: SIZE, height: SIZE, pixels: vec![[0.5, 0.5, 0.5, 1.0]; SIZE * SIZE] };
+    let lit = |s: &brdf_paint::PixelSurface| s.is_seen_and_lit() && s.wi.z >= 0.1;
+    let inside: Vec<usize> =
+        (0..SIZE * SIZE).filter(|at| buffers.pixels[*at].as_ref().is_some_and(lit)).collect();
+    image.pixels[inside[0]][3] = 0.0;
+    image.pixels[inside[1]][0] = f32::NAN;
+    image.pixels[inside[2]][1] = -1.0;
+    let mut samples = PaintSamples::new();
+    samples.add(0, "view", buffers, &image, 0.1).unwrap();
+    let skipped = samples.skipped;
+    assert_eq!((skipped.transparent, skipped.not_finite, skipped.clamped), (1, 1, 1));
+    assert_eq!(samples.len(), inside.len() - 2);
+    let seen = buffers.pixels.iter().flatten().count();
+    assert_eq!(skipped.outside, SIZE * SIZE - seen);
+    assert_eq!(skipped.grazing, seen - inside.len());
+    image.pixels.pop();
+    image.width -= 1;
+    let refused = samples.add(0, "view", buffers, &image, 0.1);
+    assert!(matches!(refused, Err(PaintError::Size { .. })), "{refused:?}");
+    let nothing = extract(&PaintSamples::new(), &PaintParams::default(), &|_| ());
+    assert!(matches!(nothing, Err(PaintError::NothingPainted { .. })));
+}
+
+#[test]
+fn a_black_painting_is_black() {
+    let mesh = torus();
+    let painted = buffers(&mesh, &vertex_views(&mesh)[..2]);
+    let mut samples = PaintSamples::new();
+    for (view, buffers) in painted.iter().enumerate() {
+        let pixels = vec![[0.0, 0.0, 0.0, 1.0]; SIZE * SIZE];
+        let image = PaintedImage { width: SIZE, height: SIZE, pixels };
+        samples.add(view, "black", buffers, &image, 0.1).unwrap();
+    }
+    for solver in [SolverChoice::Paper, SolverChoice::Alternating] {
+        let made = made(&samples, &params(Mode::MaterialMap, solver));
+        assert!(made.errors.max < 1e-3, "{:?}", made.errors);
+    }
+}
