@@ -1,7 +1,10 @@
 //! Tables 1 to 4 of Jaroszkiewicz and McCool 2003 with our figures beside the paper's, and errors of
 //! views and lights that were not painted.
 //!
-//! `cargo run --release -p brdf-cli --example paint_tables`; the bunny is found through `BRDF_DATA`.
+//! `cargo run --release -p brdf-cli --example paint_tables [damping.svg]`; the bunny is found through
+//! `BRDF_DATA`.
+
+#![expect(clippy::print_stdout, reason = "an example prints")]
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -11,11 +14,12 @@ use brdf_factor::{
     Damping, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem, Workspace,
 };
 use brdf_io::read_mesh;
-use brdf_model::{Preset, SampleSet};
+use brdf_model::{Brdf, Channels, Preset, Rgb, SampleSet, log_offsets, measure};
 use brdf_paint::{
     BlendedTruth, Mode, PaintErrors, PaintParams, PaintSamples, SolverChoice, View, ViewBuffers,
     extract, face_views, vertex_views,
 };
+use brdf_plot::{Curves, Plot, Scale, Series, plot_curves};
 use brdf_render::Mesh;
 
 /// Side of the painted pictures.
@@ -46,7 +50,68 @@ fn main() -> anyhow::Result<()> {
         truth.scale
     );
     preinversion(&training)?;
+    if let Some(path) = std::env::args_os().nth(1) {
+        std::fs::write(path, damping(&painted, &brdfs[1])?.svg())?;
+    }
+    let single = samples(&truth, &painted[..1])?;
+    println!("\nTable 4 in kind, one view of {SIZE}²: RMS / max, painted and held out; seconds");
+    errors(&mesh, &single, &held_out)?;
+    println!("\nTable 4 in kind, twelve views");
     errors(&mesh, &training, &held_out)
+}
+
+/// Errors of three radial factors of 64 by the number of singular vectors.
+fn damping(views: &[ViewBuffers], brdf: &dyn Brdf) -> anyhow::Result<Plot> {
+    let truth = BlendedTruth { brdfs: [brdf; 3], scale: 0.3 };
+    let all = samples(&truth, views)?;
+    let training = all.thinned(MANY);
+    // Others than those of `training`, which starts at the first.
+    let held_out = all.skip(1).thinned(3 * MANY);
+    let set = sample_set(&training);
+    let problem = Problem::new(&set, &FactorParams::default())?;
+    let unseen = sample_set(&held_out);
+    let offsets = log_offsets(&set);
+    let mut series = Vec::new();
+    println!(
+        "\nRMS log error of red plastic by the number of singular vectors: painted / held out"
+    );
+    for (name, damping) in [
+        ("truncated", Damping::Truncated),
+        ("linear", Damping::Linear),
+        ("alpha 1e-2", Damping::Alpha(1e-2)),
+        ("alpha 1e-3", Damping::Alpha(1e-3)),
+    ] {
+        let mut points = [Vec::new(), Vec::new()];
+        for components in [4, 8, 16, 24, 32, 48, 64, 96, 128, 160, 192] {
+            let plan = Plan::of(&FactorSpec::radial(false), 64);
+            let inversion = Inversion::Svd { components, damping };
+            let fit = Preinverted::new(&problem, &[], plan, inversion)?.fit(&problem)?;
+            let errors = [&set, &unseen]
+                .map(|set| measure(set, &fit.model, &offsets).log.mean_square.sqrt());
+            println!("| {name} | {components} | {:.4} / {:.4} |", errors[0], errors[1]);
+            #[expect(clippy::cast_precision_loss, reason = "a place on an axis")]
+            points.iter_mut().zip(errors).for_each(|(p, e)| p.push((components as f64, e)));
+        }
+        let [painted, held_out] = points;
+        series.push((Series::new(name, painted), Series::new(name, held_out)));
+    }
+    let (painted, held_out): (Vec<_>, Vec<_>) = series.into_iter().unzip();
+    let panel = |title: &str, series| Curves {
+        title: title.to_owned(),
+        x: "singular vectors K".to_owned(),
+        y: "RMS of log".to_owned(),
+        y_scale: Scale::Log,
+        series,
+    };
+    Ok(plot_curves(&[panel("painted", painted), panel("held out", held_out)], 2)?)
+}
+
+fn sample_set(samples: &PaintSamples) -> SampleSet {
+    let mut set = SampleSet::new(Channels::Rgb);
+    for (pair, value) in samples.pairs.iter().zip(&samples.values) {
+        set.push_rgb(pair, Rgb::from(value.map(f64::from)));
+    }
+    set
 }
 
 fn samples(truth: &BlendedTruth<'_>, views: &[ViewBuffers]) -> anyhow::Result<PaintSamples> {
@@ -101,10 +166,7 @@ fn timed(
 fn preinversion(training: &PaintSamples) -> anyhow::Result<()> {
     let some = |count: usize| -> anyhow::Result<(PaintSamples, SampleSet)> {
         let chosen = training.thinned(count);
-        let mut set = SampleSet::new(brdf_model::Channels::Rgb);
-        for (pair, value) in chosen.pairs.iter().zip(&chosen.values) {
-            set.push_rgb(pair, brdf_model::Rgb::from(value.map(f64::from)));
-        }
+        let set = sample_set(&chosen);
         Ok((chosen, set))
     };
     let radial = FactorSpec::radial(false);
@@ -151,7 +213,12 @@ fn preinversion(training: &PaintSamples) -> anyhow::Result<()> {
     }
     let large = timed(&many_set, &many, &Plan::of(&planar, 32), false)?;
     println!("three 2D 32² factors, {MANY} samples:");
-    show("32², 3-factor".to_owned(), &large, f64::NAN, f64::NAN);
+    println!(
+        "| {} unknowns | {:.0} ms | repaint {:.2} ms |",
+        large.unknowns,
+        1e3 * large.cholesky,
+        1e3 * large.repaint
+    );
     println!("\nTable 3: material maps, {MANY} samples, seconds");
     let paper = [(32, [2.44, 5.73, 8.91, 12.09]), (128, [3.96, 8.66, 12.64, 17.79])];
     for (texels, times) in paper {

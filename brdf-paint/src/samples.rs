@@ -162,6 +162,12 @@ impl PaintSamples {
         self.chosen((0..self.len()).step_by(step).take(count))
     }
 
+    /// All but the first few.
+    #[must_use]
+    pub fn skip(&self, count: usize) -> Self {
+        self.chosen(count..self.len())
+    }
+
     fn chosen(&self, order: impl Iterator<Item = usize>) -> Self {
         let mut chosen = Self { skipped: self.skipped, ..Self::new() };
         for at in order {

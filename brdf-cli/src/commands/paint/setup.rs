@@ -39,7 +39,7 @@ pub(in crate::commands) struct Setup {
     #[arg(short, long, value_name = "FOLDER", default_value = "scene")]
     output: PathBuf,
 
-    /// 12 for the corners of an icosahedron, or a file of views (TOML, [[view]] with name, eye, target, up,
+    /// 12 for the corners of an icosahedron, or a file of views (TOML, `[[view]]` with name, eye, target, up,
     /// fov_deg, and light_direction or light_position)
     #[arg(long, value_name = "12|FILE", default_value = "12")]
     views: String,
