@@ -56,7 +56,7 @@ fn main() -> anyhow::Result<()> {
     let single = samples(&truth, &painted[..1])?;
     println!("\nTable 4 in kind, one view of {SIZE}²: RMS / max, painted and held out; seconds");
     errors(&mesh, &single, &held_out)?;
-    println!("\nTable 4 in kind, twelve views");
+    println!("\nTable 4 in kind, twelve views: the same");
     errors(&mesh, &training, &held_out)
 }
 
@@ -238,9 +238,6 @@ fn preinversion(training: &PaintSamples) -> anyhow::Result<()> {
 }
 
 fn errors(mesh: &Mesh, training: &PaintSamples, held_out: &PaintSamples) -> anyhow::Result<()> {
-    println!(
-        "\nTable 4 in kind: twelve views of {SIZE}²; RMS / max, painted and held out; seconds"
-    );
     let wraps = mesh.wraps_around();
     let base = PaintParams { wraps, ..PaintParams::default() };
     let show = |name: &str, params: PaintParams| -> anyhow::Result<()> {

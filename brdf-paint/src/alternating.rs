@@ -53,13 +53,13 @@ pub(crate) fn decompose(
     let clustered = turns.clustered()?;
     let mut best: Option<State> = None;
     for start in [published, clustered] {
-        let state = turns.run(start, FIRST_TURNS, progress)?;
+        let state = turns.run(start, FIRST_TURNS, progress);
         if best.as_ref().is_none_or(|best| state.error < best.error) {
             best = Some(state);
         }
     }
     let Some(best) = best else { return Ok(Vec::new()) };
-    let State { solutions, maps, .. } = turns.run(best, TURNS, progress)?;
+    let State { solutions, maps, .. } = turns.run(best, TURNS, progress);
     let parts = solutions.into_iter().zip(maps);
     Ok(parts.map(|(solution, coefficients)| Part { solution, coefficients }).collect())
 }
@@ -112,16 +112,11 @@ impl<'a> Turns<'a> {
     }
 
     /// The best state of some turns; never worse than the first.
-    fn run(
-        &self,
-        start: State,
-        turns: usize,
-        progress: &(dyn Fn(&str) + Sync),
-    ) -> Result<State, PaintError> {
+    fn run(&self, start: State, turns: usize, progress: &(dyn Fn(&str) + Sync)) -> State {
         let (mut best, mut state) = (start.clone(), start);
         for turn in 0..turns {
             progress(&format!("turn {}, error {:.4}", turn + 1, best.error.sqrt()));
-            self.refine_products(&mut state)?;
+            self.refine_products(&mut state);
             let values: Vec<_> = state.solutions.iter().map(|x| self.layout.values(x)).collect();
             let problem = MapProblem {
                 taps: &self.layout.taps,
@@ -146,7 +141,7 @@ impl<'a> Turns<'a> {
                 break;
             }
         }
-        Ok(best)
+        best
     }
 
     /// One product for each cluster of texels of similar colour.
@@ -199,7 +194,7 @@ impl<'a> Turns<'a> {
         Ok(self.state(solutions, maps))
     }
 
-    fn refine_products(&self, state: &mut State) -> Result<(), PaintError> {
+    fn refine_products(&self, state: &mut State) {
         let unknowns = self.layout.inverted.unknowns();
         let shares: Vec<Vec<f64>> = state
             .maps
@@ -225,14 +220,13 @@ impl<'a> Turns<'a> {
                     shares: &shares,
                     wanted: wanted.collect(),
                 };
-                channel.refine(&mut products)?;
-                Ok(products)
+                channel.refine(&mut products);
+                products
             })
-            .collect::<Result<_, PaintError>>()?;
+            .collect();
         for (product, solution) in state.solutions.iter_mut().enumerate() {
             *solution = refined.iter().flat_map(|channel| channel[product].clone()).collect();
         }
-        Ok(())
     }
 }
 
@@ -246,7 +240,7 @@ struct Channel<'a> {
 }
 
 impl Channel<'_> {
-    fn refine(&self, products: &mut [Vec<f64>]) -> Result<(), PaintError> {
+    fn refine(&self, products: &mut [Vec<f64>]) {
         let mut logs: Vec<Vec<f64>> = products.iter().map(|x| predicted(self.columns, x)).collect();
         let mut left = self.wanted.clone();
         for (product, logs) in logs.iter().enumerate() {
@@ -254,7 +248,8 @@ impl Channel<'_> {
         }
         for _ in 0..SWEEPS {
             for product in 0..products.len() {
-                let step = self.step(product, &logs[product], &left)?;
+                // Where slopes differ too much for the arithmetic, the product stays as it is.
+                let Ok(step) = self.step(product, &logs[product], &left) else { continue };
                 let error = |left: &[f64]| left.iter().map(|v| v * v).sum::<f64>();
                 let before = error(&left);
                 let old = &products[product];
@@ -272,7 +267,6 @@ impl Channel<'_> {
                 }
             }
         }
-        Ok(())
     }
 
     /// Adds a multiple of a product to values.

@@ -151,7 +151,9 @@ pub fn extract(
             alternating::decompose(&layout, &shuffled, params, progress)?
         }
     };
-    let material = layout.material(parts, params)?;
+    let limit = [0, 1, 2]
+        .map(|channel| samples.values.iter().map(|v| f64::from(v[channel])).fold(0.0, f64::max));
+    let material = PaintedMaterial { components: layout.components(parts, params)?, limit };
     let errors = samples.errors(&material);
     let unconstrained = if params.is_map() {
         layout.touched(params.map_size).iter().map(|touched| !touched).collect()
@@ -245,11 +247,11 @@ impl Layout {
         touched
     }
 
-    fn material(
+    fn components(
         &self,
         parts: Vec<Part>,
         params: &PaintParams,
-    ) -> Result<PaintedMaterial, PaintError> {
+    ) -> Result<Vec<Component>, PaintError> {
         let (size, wraps) = (params.map_size, params.wraps);
         let components = parts.into_iter().map(|Part { solution, coefficients }| {
             let product = self.inverted.model_of(&solution, &self.maps)?;
@@ -260,7 +262,7 @@ impl Layout {
             });
             Ok(Component { coefficients, product })
         });
-        Ok(PaintedMaterial { components: components.collect::<Result<_, PaintError>>()? })
+        components.collect()
     }
 }
 

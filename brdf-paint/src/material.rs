@@ -25,10 +25,13 @@ pub struct Component {
 pub struct PaintedMaterial {
     /// The summands.
     pub components: Vec<Component>,
+    /// The brightest value of each channel that was painted. Values are not above it: between directions that
+    /// were painted and the horizon products of factors reach any height.
+    pub limit: [f64; 3],
 }
 
 impl PaintedMaterial {
-    /// f π at a place, linear RGB, 0 and above.
+    /// f π at a place, linear RGB, from 0 to the brightest that was painted.
     pub fn value(&self, pair: &DirectionPair, place: DVec2) -> Rgb {
         let parts = self.components.iter().map(|component| {
             let share = component.coefficients.as_ref().map_or(1.0, |map| map.at(place));
@@ -38,7 +41,8 @@ impl PaintedMaterial {
                 Rgb::BLACK
             }
         });
-        parts.sum()
+        let [r, g, b] = parts.sum::<Rgb>().channels();
+        Rgb::new(r.min(self.limit[0]), g.min(self.limit[1]), b.min(self.limit[2]))
     }
 
     /// Values for samples, in parallel.

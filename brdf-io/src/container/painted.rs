@@ -35,6 +35,7 @@ struct Record {
     #[serde(flatten)]
     head: Head,
     products: Vec<ProductRecord>,
+    limit: [f64; 3],
     paint: PaintRecord,
 }
 
@@ -83,7 +84,8 @@ pub fn painted_to_bytes(file: &PaintedFile) -> Result<Vec<u8>, FormatError> {
         });
     }
     let head = Head { kind: Kind::Painted, version: VERSION };
-    let record = Record { head, products, paint: file.record.clone() };
+    let limit = file.material.limit;
+    let record = Record { head, products, limit, paint: file.record.clone() };
     let record = serde_json::to_string(&record).map_err(|e| library("material record", &e))?;
     let views = tensors
         .iter()
@@ -141,7 +143,10 @@ pub fn parse_painted(bytes: &[u8]) -> Result<PaintedFile, FormatError> {
         Ok(Component { coefficients, product: SurfaceProduct::new(angular, surface)? })
     });
     let components = components.collect::<Result<Vec<_>, FormatError>>()?;
-    Ok(PaintedFile { material: PaintedMaterial { components }, record: record.paint })
+    Ok(PaintedFile {
+        material: PaintedMaterial { components, limit: record.limit },
+        record: record.paint,
+    })
 }
 
 fn factor_name(product: usize, factor: usize) -> String {
