@@ -6,41 +6,28 @@
     reason = "a test that cannot go on has failed"
 )]
 
+mod support;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::Value;
 
-fn brdf(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_brdf"))
-        .arg("btf")
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("the binary runs")
+fn in_btf<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
+    [&["btf"], arguments].concat()
 }
 
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    let output = brdf(folder, arguments);
-    let err = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "brdf btf {arguments:?}: {err}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    support::succeed(folder, &in_btf(arguments))
+}
+
+fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
+    support::fail(folder, &in_btf(arguments), code)
 }
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&succeed(folder, arguments)).expect("JSON")
-}
-
-/// The one line of a command that must fail.
-fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = brdf(folder, arguments);
-    let err = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "brdf btf {arguments:?}: {err}");
-    if code == 1 {
-        assert_eq!(err.trim_end().lines().count(), 1, "one line: {err}");
-    }
-    err
 }
 
 /// Maps of bumps in two colours.

@@ -6,45 +6,17 @@
     reason = "a test that cannot go on has failed"
 )]
 
+mod support;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use brdf_io::png_bytes;
 use brdf_render::DisplayImage;
 use serde_json::Value;
+use support::{brdf, fail, succeed, text};
 use tempfile::TempDir;
-
-fn brdf(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_brdf"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("the binary runs")
-}
-
-fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    let output = brdf(folder, arguments);
-    let (out, err) = (text(&output.stdout), text(&output.stderr));
-    assert!(output.status.success(), "brdf {arguments:?}: {out}{err}");
-    out
-}
-
-/// Runs a command that must fail with one line on standard error, and returns that line.
-fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = brdf(folder, arguments);
-    let err = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "brdf {arguments:?}: {err}");
-    if code == 1 {
-        assert_eq!(err.trim_end().lines().count(), 1, "one line: {err}");
-        assert!(err.starts_with("brdf: "), "{err}");
-    }
-    err
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")

@@ -6,40 +6,16 @@
     reason = "a test that cannot go on has failed"
 )]
 
+mod support;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
-
-fn brdf(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_brdf"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("the binary runs")
-}
-
-fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    let output = brdf(folder, arguments);
-    let err = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "brdf {arguments:?}: {err}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
+use support::{fail, succeed};
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&succeed(folder, arguments)).expect("JSON")
-}
-
-/// The one line of a command that must fail.
-fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = brdf(folder, arguments);
-    let err = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "brdf {arguments:?}: {err}");
-    if code == 1 {
-        assert_eq!(err.trim_end().lines().count(), 1, "one line: {err}");
-    }
-    err
 }
 
 const TRUTH: &str = "preset:lafortune-blue-paint,preset:red-plastic,preset:ggx";

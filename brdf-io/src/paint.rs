@@ -6,12 +6,12 @@ use std::path::Path;
 use brdf_paint::{LightSource, PaintedImage, PixelSurface, View, ViewBuffers};
 use brdf_render::Camera;
 use btf_vq::colour::srgb_to_linear;
-use exr::prelude::{ReadChannels as _, ReadLayers as _};
 use glam::{DVec2, DVec3};
 use image::{DynamicImage, ImageReader, Limits};
 use serde::{Deserialize, Serialize};
 
-use crate::exr_image::write_exr;
+use crate::btf::image_size;
+use crate::exr_image::{exr_error, read_exr_layer, write_exr};
 use crate::{FormatError, IoError, MappedFile};
 
 /// What `scene.toml` says.
@@ -221,14 +221,21 @@ pub fn buffers_to_exr(buffers: &ViewBuffers) -> Result<Vec<u8>, FormatError> {
     write_exr(buffers.width, buffers.height, &channels)
 }
 
-/// Reads the buffers of a view.
+/// Reads the buffers of a view whose pictures have `size` pixels along each side.
 ///
 /// # Errors
 ///
-/// [`IoError::File`]; [`IoError::Format`] for an image without these channels.
-pub fn read_buffers(path: &Path) -> Result<ViewBuffers, IoError> {
+/// [`IoError::File`]; [`IoError::Format`] for an image of another size or without these channels.
+pub fn read_buffers(path: &Path, size: usize) -> Result<ViewBuffers, IoError> {
     let bytes = MappedFile::open(path)?;
     let read = || {
+        let [width, height] = image_size(&bytes)?;
+        if (width, height) != (size, size) {
+            return Err(FormatError::Missing {
+                what: format!("buffers of the scene's size: {width} × {height} pixels"),
+                expected: format!("{size} × {size}"),
+            });
+        }
         let (width, height, channels) = read_exr(&bytes)?;
         let planes: Vec<&Vec<f32>> = BUFFERS
             .iter()
@@ -303,6 +310,7 @@ fn parse_exr_painting(bytes: &[u8]) -> Result<PaintedImage, FormatError> {
 }
 
 fn parse_painting(bytes: &[u8]) -> Result<PaintedImage, FormatError> {
+    image_size(bytes)?;
     let refused =
         |problem: String| FormatError::Library { what: "picture (PNG, JPEG or EXR)", problem };
     let mut reader = ImageReader::new(Cursor::new(bytes))
@@ -331,29 +339,15 @@ type Planes = (usize, usize, Vec<(String, Vec<f32>)>);
 
 /// The channels of an EXR image.
 fn read_exr(bytes: &[u8]) -> Result<Planes, FormatError> {
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|error| library("EXR", &error))?;
-    let (width, height) = (image.layer_data.size.width(), image.layer_data.size.height());
-    if width > MAX_SIDE || height > MAX_SIDE {
-        return Err(library(
-            "EXR",
-            &format!("{width} × {height} pixels; expected at most {MAX_SIDE} a side"),
-        ));
-    }
-    let channels = image.layer_data.channel_data.list.iter();
+    let [width, height] = image_size(bytes)?;
+    let layer = read_exr_layer(bytes)?;
+    let channels = layer.channel_data.list.iter();
     let planes = channels.map(|channel| {
         (channel.name.to_string(), channel.sample_data.values_as_f32().collect::<Vec<f32>>())
     });
     let planes: Vec<(String, Vec<f32>)> = planes.collect();
     match planes.iter().find(|(_, values)| values.len() != width * height) {
-        Some((name, _)) => Err(library("EXR", &format!("channel {name} is subsampled"))),
+        Some((name, _)) => Err(exr_error(format!("channel {name} is subsampled"))),
         None => Ok((width, height, planes)),
     }
 }
@@ -397,7 +391,7 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("b.exr");
             std::fs::write(&path, bytes).unwrap();
-            let read = read_buffers(&path).unwrap();
+            let read = read_buffers(&path, 16).unwrap();
             for ((a, b), read) in a.pixels.iter().zip(&b.pixels).zip(&read.pixels) {
                 assert_eq!((a.is_some(), b.is_some()), (read.is_some(), read.is_some()));
                 if let (Some(a), Some(b), Some(read)) = (a, b, read) {

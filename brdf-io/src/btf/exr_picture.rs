@@ -3,14 +3,11 @@
 use std::io::Cursor;
 
 use exr::meta::MetaData;
-use exr::prelude::{AnyChannels, FlatSamples, Layer, ReadChannels as _, ReadLayers as _};
+use exr::prelude::{AnyChannels, FlatSamples, Layer};
 
 use super::linear::xyz_to_rgb;
 use crate::FormatError;
-
-fn exr_error(problem: impl ToString) -> FormatError {
-    FormatError::Library { what: "EXR", problem: problem.to_string().replace('\n', " ") }
-}
+use crate::exr_image::{exr_error, read_exr_layer};
 
 /// Width and height of the first flat layer.
 pub(crate) fn exr_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
@@ -22,17 +19,7 @@ pub(crate) fn exr_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
 
 /// Decodes linear Rec. 709 values row by row. A caller has held the size against the file.
 pub(crate) fn read_exr(bytes: &[u8]) -> Result<Vec<f32>, FormatError> {
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        // Images are decoded in parallel already.
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(exr_error)?;
-    let layer = image.layer_data;
+    let layer = read_exr_layer(bytes)?;
     let texels = layer.size.area();
     if let Some(alpha) = channel(&layer, "A")
         && let Some(at) = (0..texels).find(|&at| value(alpha, at) < 1.0)

@@ -22,6 +22,7 @@ mod store;
 mod ubo_writer;
 
 pub use bonn_file::BtfFile;
+pub(crate) use decode::image_size;
 pub use decode::read_btf_image;
 pub use error::BtfError;
 pub use image_set::{BtfImages, BtfNotes};

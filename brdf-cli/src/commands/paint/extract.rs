@@ -238,7 +238,8 @@ impl Extract {
                 [] => missing.push(view.name.as_str()),
                 [path] => {
                     let exact = self.scene.join("buffers").join(format!("{}.exr", view.name));
-                    let (buffers, image) = (read_buffers(&exact)?, read_painting(path)?);
+                    let (buffers, image) =
+                        (read_buffers(&exact, scene.size)?, read_painting(path)?);
                     painted.push(Painted { name: view.name.clone(), buffers, image });
                 }
                 [first, second, ..] => bail!(
