@@ -10,6 +10,7 @@ mod errata;
 mod factors;
 mod metrics;
 mod models;
+mod painting;
 mod parametrizations;
 mod projections;
 mod readers;

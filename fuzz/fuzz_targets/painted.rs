@@ -1,0 +1,7 @@
+//! Painted materials and preinverted matrices.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = brdf_io::parse_painted(data);
+    let _ = brdf_io::parse_basis(data);
+});
