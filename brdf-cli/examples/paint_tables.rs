@@ -42,7 +42,8 @@ fn main() -> anyhow::Result<()> {
     let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 1.0 };
     let truth = truth.scaled_for(&painted);
     let training = samples(&truth, &painted)?;
-    let held_out = samples(&truth, &buffers(&face_views(&mesh)))?;
+    let unseen = buffers(&face_views(&mesh));
+    let held_out = samples(&truth, &unseen)?;
     println!(
         "{} painted pixels, {} held out; scale {:.3}",
         training.len(),
@@ -51,7 +52,7 @@ fn main() -> anyhow::Result<()> {
     );
     preinversion(&training)?;
     if let Some(path) = std::env::args_os().nth(1) {
-        std::fs::write(path, damping(&painted, &brdfs[1])?.svg())?;
+        std::fs::write(path, damping(&painted, &unseen, &brdfs[1])?.svg())?;
     }
     let single = samples(&truth, &painted[..1])?;
     println!("\nTable 4 in kind, one view of {SIZE}²: RMS / max, painted and held out; seconds");
@@ -61,12 +62,10 @@ fn main() -> anyhow::Result<()> {
 }
 
 /// Errors of three radial factors of 64 by the number of singular vectors.
-fn damping(views: &[ViewBuffers], brdf: &dyn Brdf) -> anyhow::Result<Plot> {
+fn damping(views: &[ViewBuffers], others: &[ViewBuffers], brdf: &dyn Brdf) -> anyhow::Result<Plot> {
     let truth = BlendedTruth { brdfs: [brdf; 3], scale: 0.3 };
-    let all = samples(&truth, views)?;
-    let training = all.thinned(MANY);
-    // Others than those of `training`, which starts at the first.
-    let held_out = all.skip(1).thinned(3 * MANY);
+    let training = samples(&truth, views)?.thinned(MANY);
+    let held_out = samples(&truth, others)?.thinned(3 * MANY);
     let set = sample_set(&training);
     let problem = Problem::new(&set, &FactorParams::default())?;
     let unseen = sample_set(&held_out);

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use brdf_io::read_mesh;
-use brdf_render::{Camera, Mesh, Soup};
+use brdf_render::{Camera, Mesh, Soup, UvSource};
 use clap::ValueEnum;
 use glam::DVec3;
 
@@ -69,18 +69,13 @@ pub(crate) enum UvArg {
     File,
 }
 
-impl UvArg {
-    /// As files record it.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Sphere => "sphere",
-            Self::Atlas => "atlas",
-            Self::File => "file",
+impl From<UvArg> for UvSource {
+    fn from(uv: UvArg) -> Self {
+        match uv {
+            UvArg::Sphere => Self::Sphere,
+            UvArg::Atlas => Self::Atlas,
+            UvArg::File => Self::File,
         }
-    }
-
-    pub(crate) fn find(name: &str) -> Option<Self> {
-        Self::value_variants().iter().copied().find(|uv| uv.name() == name)
     }
 }
 
@@ -91,7 +86,7 @@ const ATLAS_SIZE: usize = 256;
 pub(crate) const TORUS: &str = "shape:torus";
 
 /// Reads a mesh, says what was repaired, and gives it the texture coordinates asked for.
-pub(crate) fn open_mesh(path: &Path, uv: Option<UvArg>) -> anyhow::Result<Mesh> {
+pub(crate) fn open_mesh(path: &Path, uv: Option<UvSource>) -> anyhow::Result<Mesh> {
     let (mesh, notes) =
         if path == Path::new(TORUS) { Mesh::new(Soup::torus())? } else { read_mesh(path)? };
     for line in notes.lines() {
@@ -99,9 +94,9 @@ pub(crate) fn open_mesh(path: &Path, uv: Option<UvArg>) -> anyhow::Result<Mesh> 
     }
     Ok(match uv {
         None => mesh,
-        Some(UvArg::Sphere) => mesh.with_sphere_coordinates(),
-        Some(UvArg::Atlas) => mesh.with_atlas(ATLAS_SIZE)?,
-        Some(UvArg::File) if mesh.has_own_coordinates() => mesh,
-        Some(UvArg::File) => return Err(brdf_render::MeshError::NoTextureCoordinates.into()),
+        Some(UvSource::Sphere) => mesh.with_sphere_coordinates(),
+        Some(UvSource::Atlas) => mesh.with_atlas(ATLAS_SIZE)?,
+        Some(UvSource::File) if mesh.uv_source() == UvSource::File => mesh,
+        Some(UvSource::File) => return Err(brdf_render::MeshError::NoTextureCoordinates.into()),
     })
 }

@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use support::{fail, succeed};
+use support::{brdf, fail, succeed};
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&succeed(folder, arguments)).expect("JSON")
@@ -90,10 +90,13 @@ fn hand_made_paintings_count_where_they_are_opaque() {
     let error = fail(folder, &["paint", "extract", "scene"], 1);
     assert!(error.contains("view01.png"), "{error}");
     fs::remove_file(folder.join("scene/painted/view01.png")).unwrap();
+    fs::write(folder.join("scene/painted/view0.png"), b"a typo").unwrap();
     let report = json(folder, &["paint", "extract", "scene", "--mode", "brdf", "--json"]);
     let notes = report["notes"].to_string();
     assert!(
-        notes.contains("not painted: view01") && notes.contains("beside the object"),
+        notes.contains("not painted: view01")
+            && notes.contains("view0.png: of no view")
+            && notes.contains("beside the object"),
         "{notes}"
     );
     assert!(report["rms"]["held_out"].is_null());
@@ -114,6 +117,10 @@ fn hand_made_paintings_count_where_they_are_opaque() {
     fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
     let flat = fail(folder, &["paint", "setup", "flat.obj", "-o", "x"], 1);
     assert!(flat.contains("flat.obj") && flat.contains("degenerate"), "{flat}");
+    let tiled = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 3 0\nvt 0 3\nf 1/1 2/2 3/3\n";
+    fs::write(folder.join("tiled.obj"), tiled).unwrap();
+    let output = brdf(folder, &["paint", "setup", "tiled.obj", "-o", "x"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("repeat a tile"), "{output:?}");
     let other = fail(folder, &["paint", "preview", "views.toml", "--mesh", "shape:torus"], 1);
     assert!(other.contains("views.toml"), "{other}");
 }

@@ -219,12 +219,15 @@ impl CholeskyFactor {
         &self.values
     }
 
-    /// A factor from its columns, as [`CholeskyFactor::values`] gave them.
+    /// A factor from its columns, as [`CholeskyFactor::values`] gave them; none unless all are finite and the
+    /// diagonal is above 0.
     pub fn from_values(values: Vec<f64>) -> Option<Self> {
         let size = values.len().isqrt();
         let diagonal = (0..size).map(|at| values[at * size + at]);
-        (size * size == values.len() && diagonal.into_iter().all(|v| v > 0.0 && v.is_finite()))
-            .then_some(Self { size, values })
+        (size * size == values.len()
+            && diagonal.into_iter().all(|v| v > 0.0)
+            && values.iter().all(|v| v.is_finite()))
+        .then_some(Self { size, values })
     }
 }
 

@@ -59,6 +59,12 @@ impl SurfaceProduct {
                     expected: "size² texels",
                 });
             }
+            if texels.iter().flatten().any(|v| !v.is_finite()) {
+                return Err(FactorError::Factors {
+                    found: "a texel of a surface that is not finite".to_owned(),
+                    expected: "finite log values",
+                });
+            }
         }
         Ok(Self { angular, surface })
     }
@@ -86,13 +92,18 @@ impl SurfaceProduct {
 
     /// f in sr⁻¹ at a place, 0 and above; 0 where a direction is not above the surface.
     pub fn eval(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
-        let Some(surface) = &self.surface else { return self.angular.eval(pair) };
+        self.eval_signed(pair, uv).map(|v| v.max(0.0))
+    }
+
+    /// The same as the log map gives it, which may be negative.
+    pub fn eval_signed(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
+        let Some(surface) = &self.surface else { return self.angular.eval_signed(pair) };
         if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             return Rgb::BLACK;
         }
         let mut logs = self.angular.log_values(pair);
         surface.add_log_values(uv, &mut logs);
-        let value = |map: &ChannelMap, log: f64| map.inverse(log).max(0.0);
+        let value = ChannelMap::inverse;
         match self.angular.maps() {
             [map] => Rgb::splat(value(map, logs[0])),
             [r, g, b] => Rgb::new(value(r, logs[0]), value(g, logs[1]), value(b, logs[2])),

@@ -215,7 +215,7 @@ fn check(header: &Header, length: usize) -> Result<(), FormatError> {
     }
 }
 
-/// The triangles of a polygon.
+/// The triangles of a polygon; of a point or a line one without area, so that it is counted.
 fn fan(corners: &[i64], face: usize) -> Result<Vec<[u32; 3]>, FormatError> {
     let vertex = |at: i64| {
         u32::try_from(at).map_err(|_| FormatError::Library {
@@ -223,13 +223,24 @@ fn fan(corners: &[i64], face: usize) -> Result<Vec<[u32; 3]>, FormatError> {
             problem: format!("face {face} names vertex {at}; expected 0 or more"),
         })
     };
-    (1..corners.len().saturating_sub(1))
+    if let &[first] | &[first, _] = corners {
+        return Ok(vec![[vertex(first)?; 3]]);
+    }
+    if corners.is_empty() {
+        return Err(FormatError::Library {
+            what: "PLY",
+            problem: format!("face {face} has no corners that are whole numbers"),
+        });
+    }
+    (1..corners.len() - 1)
         .map(|at| Ok([vertex(corners[0])?, vertex(corners[at])?, vertex(corners[at + 1])?]))
         .collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use brdf_render::UvSource;
+
     use super::*;
 
     const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n\
@@ -241,7 +252,7 @@ mod tests {
     fn a_polygon_becomes_a_fan() {
         let (mesh, notes) = parse_mesh(SQUARE.as_bytes()).unwrap();
         assert_eq!((notes.vertices, notes.triangles, notes.open_edges), (4, 2, 4));
-        assert!(notes.has_texture_coordinates && mesh.has_own_coordinates());
+        assert!(notes.has_texture_coordinates && mesh.uv_source() == UvSource::File);
         assert!(mesh.normals().iter().all(|n| (*n - DVec3::Z).length() < 1e-12));
         let hit = mesh.hit(DVec3::new(0.25, 0.75, 2.0), DVec3::NEG_Z, 0.0).unwrap();
         let surface = mesh.surface(&hit);

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use brdf_paint::{LightSource, PaintedImage, PixelSurface, View, ViewBuffers};
-use brdf_render::Camera;
+use brdf_render::{Camera, UvSource};
 use btf_vq::colour::srgb_to_linear;
 use glam::{DVec2, DVec3};
 use image::{DynamicImage, ImageReader, Limits};
@@ -19,8 +19,8 @@ use crate::{FormatError, IoError, MappedFile};
 pub struct Scene {
     /// The mesh, as it was given.
     pub mesh: String,
-    /// Its texture coordinates: `sphere`, `atlas` or `file`.
-    pub uv: String,
+    /// Where its texture coordinates are from.
+    pub uv: UvSource,
     /// Pixels along each side of the pictures.
     pub size: usize,
     /// Cameras and lights.
@@ -43,7 +43,7 @@ pub struct TruthRecord {
 #[serde(deny_unknown_fields)]
 struct RawScene {
     mesh: String,
-    uv: String,
+    uv: UvSource,
     size: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     truth: Option<TruthRecord>,
@@ -184,7 +184,7 @@ pub fn read_views(text: &str) -> Result<Vec<View>, FormatError> {
 pub fn scene_to_toml(scene: &Scene) -> Result<String, FormatError> {
     let raw = RawScene {
         mesh: scene.mesh.clone(),
-        uv: scene.uv.clone(),
+        uv: scene.uv,
         size: scene.size,
         truth: scene.truth.clone(),
         view: scene.views.iter().map(RawView::of).collect(),
@@ -378,7 +378,7 @@ mod tests {
         let views = vertex_views(&mesh);
         let scene = Scene {
             mesh: "triangle.ply".to_owned(),
-            uv: "sphere".to_owned(),
+            uv: UvSource::Sphere,
             size: 16,
             views,
             truth: None,

@@ -10,7 +10,7 @@ use brdf_factor::{ChannelMap, Columns, NormalEquations};
 use faer::MatMut;
 use rayon::prelude::*;
 
-use crate::coefficient_map::{CoefficientMap, taps};
+use crate::coefficient_map::{CoefficientMap, read, taps};
 use crate::extract::{Layout, Part, predicted};
 use crate::least_squares::MapProblem;
 use crate::{PaintError, PaintParams, PaintSamples, paper};
@@ -98,7 +98,7 @@ impl<'a> Turns<'a> {
                 for (at, taps) in taps.iter().enumerate().map(|(i, taps)| (run * RUN + i, taps)) {
                     let mut left = self.samples.values[at];
                     for (value, map) in values.iter().zip(maps) {
-                        let c: f32 = taps.iter().map(|(texel, share)| share * map[*texel]).sum();
+                        let c = read(map, taps);
                         left.iter_mut().zip(value[at]).for_each(|(left, v)| *left -= c * v);
                     }
                     sum += left.iter().map(|v| f64::from(v * v)).sum::<f64>();
@@ -200,10 +200,7 @@ impl<'a> Turns<'a> {
             .maps
             .iter()
             .map(|map| {
-                let of = |place: &usize| {
-                    let taps = &self.layout.taps[*place];
-                    f64::from(taps.iter().map(|(texel, share)| share * map[*texel]).sum::<f32>())
-                };
+                let of = |place: &usize| f64::from(read(map, &self.layout.taps[*place]));
                 self.places.iter().map(of).collect()
             })
             .collect();

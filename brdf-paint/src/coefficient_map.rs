@@ -24,11 +24,7 @@ impl CoefficientMap {
 
     /// The value at a place, linear between texels.
     pub fn at(&self, place: DVec2) -> f32 {
-        self.read(&taps(self.size, self.wraps, place))
-    }
-
-    pub(crate) fn read(&self, taps: &MapTaps) -> f32 {
-        taps.iter().map(|(texel, share)| share * self.values[*texel]).sum()
+        read(&self.values, &taps(self.size, self.wraps, place))
     }
 
     /// Gives texels that are not known what lies around them: means of halved maps, upwards from the
@@ -36,6 +32,11 @@ impl CoefficientMap {
     pub(crate) fn fill(&mut self, known: &[bool]) {
         fill(&mut self.values, known, self.size, self.wraps);
     }
+}
+
+/// The value between the texels around a place.
+pub(crate) fn read(values: &[f32], taps: &MapTaps) -> f32 {
+    taps.iter().map(|(texel, share)| share * values[*texel]).sum()
 }
 
 /// Texels around a place.
@@ -85,7 +86,7 @@ fn fill(values: &mut [f32], known: &[bool], size: usize, wraps: bool) {
     let centre = |at: usize| (at as f64 + 0.5) / (2 * half) as f64;
     for (texel, value) in values.iter_mut().enumerate().filter(|(texel, _)| !known[*texel]) {
         let place = DVec2::new(centre(texel % size), centre(texel / size));
-        *value = taps(half, wraps, place).iter().map(|(at, share)| share * coarse[*at]).sum();
+        *value = read(&coarse, &taps(half, wraps, place));
     }
 }
 

@@ -10,6 +10,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::coefficient_map::{MapTaps, taps};
+use crate::least_squares::CHUNKS;
 use crate::{
     CoefficientMap, Component, PaintError, PaintErrors, PaintSamples, PaintedMaterial, alternating,
     paper,
@@ -81,6 +82,9 @@ impl Default for PaintParams {
     }
 }
 
+/// Most memory for what maps are solved with.
+const MOST_BYTES: usize = 4 << 30;
+
 impl PaintParams {
     fn check(&self) -> Result<(), PaintError> {
         let sizes = [
@@ -92,6 +96,14 @@ impl PaintParams {
                 #[expect(clippy::cast_precision_loss, reason = "for a message")]
                 return Err(PaintError::Option { option, value: value as f64, expected });
             }
+        }
+        // Sums of each texel and pair of products, for each part of the samples.
+        let sums = self.map_size.pow(2) * self.products.pow(2) * CHUNKS * size_of::<f32>();
+        if self.is_map() && sums > MOST_BYTES {
+            let (option, expected) =
+                ("the size of maps", "fewer texels or products: 4 GiB of sums");
+            #[expect(clippy::cast_precision_loss, reason = "for a message")]
+            return Err(PaintError::Option { option, value: self.map_size as f64, expected });
         }
         if !(self.offset > 0.0 && self.offset.is_finite()) {
             let (option, expected) = ("the offset", "a share of the mean above 0, such as 0.05");

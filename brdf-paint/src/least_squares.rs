@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use crate::coefficient_map::MapTaps;
+use crate::coefficient_map::{MapTaps, read};
 
 /// Parts of the samples whose sums are added in order, so that threads change nothing.
-const CHUNKS: usize = 16;
+pub(crate) const CHUNKS: usize = 8;
 /// Steps towards the least error for each set of products.
 const STEPS: usize = 6;
 /// Weight of the difference between neighbours, as a share of the mean weight of a texel.
@@ -166,7 +166,7 @@ impl MapProblem<'_> {
         let count = own.len();
         let mut left = self.wanted[at];
         for (value, map) in own.iter().zip(maps) {
-            let c: f32 = self.taps[at].iter().map(|(texel, share)| share * map[*texel]).sum();
+            let c = read(map, &self.taps[at]);
             left.iter_mut().zip(value).for_each(|(left, v)| *left -= c * v);
         }
         for (j, value) in own.iter().enumerate() {

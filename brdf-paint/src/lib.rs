@@ -25,7 +25,7 @@ pub use buffers::{PixelSurface, ViewBuffers};
 pub use coefficient_map::CoefficientMap;
 pub use error::PaintError;
 pub use extract::{Extraction, Mode, PaintParams, SolverChoice, extract};
-pub use material::{Component, PaintedMaterial};
+pub use material::{Clamped, Component, PaintedMaterial};
 pub use samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
 pub use truth::BlendedTruth;
 pub use view::{LightSource, View, face_views, vertex_views};

@@ -8,6 +8,7 @@ use brdf_param::DirectionPair;
 use brdf_render::{SpatiallyVarying, TexturePoint};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::{CoefficientMap, PaintSamples};
 
@@ -18,6 +19,15 @@ pub struct Component {
     pub coefficients: Option<CoefficientMap>,
     /// Its reflectance, f π.
     pub product: SurfaceProduct,
+}
+
+/// Values that a material cannot have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Clamped {
+    /// Samples at which a product was below 0.
+    pub below_zero: usize,
+    /// Samples above the brightest that was painted.
+    pub above_limit: usize,
 }
 
 /// A material over a surface: Σ c_j(u, v) f_j(wi, wo) (Eq. 19).
@@ -31,8 +41,30 @@ pub struct PaintedMaterial {
 }
 
 impl PaintedMaterial {
+    /// Samples at which a product was negative and counted as 0, or the sum above the brightest that was painted
+    /// and cut to it.
+    pub fn clamped(&self, samples: &PaintSamples) -> Clamped {
+        let each = samples.pairs.par_iter().zip(&samples.places).map(|(pair, place)| {
+            let products = self.components.iter().map(|c| c.product.eval_signed(pair, *place));
+            let is_negative =
+                products.into_iter().any(|value| value.channels().iter().any(|v| *v < 0.0));
+            let sum = self.sum(pair, *place).channels();
+            let is_above = sum.iter().zip(self.limit).any(|(v, limit)| *v > limit);
+            Clamped { below_zero: usize::from(is_negative), above_limit: usize::from(is_above) }
+        });
+        each.reduce(Clamped::default, |a, b| Clamped {
+            below_zero: a.below_zero + b.below_zero,
+            above_limit: a.above_limit + b.above_limit,
+        })
+    }
+
     /// f π at a place, linear RGB, from 0 to the brightest that was painted.
     pub fn value(&self, pair: &DirectionPair, place: DVec2) -> Rgb {
+        let [r, g, b] = self.sum(pair, place).channels();
+        Rgb::new(r.min(self.limit[0]), g.min(self.limit[1]), b.min(self.limit[2]))
+    }
+
+    fn sum(&self, pair: &DirectionPair, place: DVec2) -> Rgb {
         let parts = self.components.iter().map(|component| {
             let share = component.coefficients.as_ref().map_or(1.0, |map| map.at(place));
             if share > 0.0 {
@@ -41,8 +73,7 @@ impl PaintedMaterial {
                 Rgb::BLACK
             }
         });
-        let [r, g, b] = parts.sum::<Rgb>().channels();
-        Rgb::new(r.min(self.limit[0]), g.min(self.limit[1]), b.min(self.limit[2]))
+        parts.sum()
     }
 
     /// Values for samples, in parallel.

@@ -2,7 +2,7 @@
 //!
 //! Source: Jaroszkiewicz and McCool 2003, section 4.2, with log(a + Δ) where the residual Δ becomes 0.
 
-use crate::coefficient_map::CoefficientMap;
+use crate::coefficient_map::{CoefficientMap, read};
 use crate::extract::{Layout, Part, by_channel};
 use crate::{PaintParams, PaintSamples};
 
@@ -42,7 +42,7 @@ pub(crate) fn decompose(
         }
         map.fill(&known);
         for (at, value) in values.iter().enumerate() {
-            let share = map.read(&layout.taps[at]);
+            let share = read(&map.values, &layout.taps[at]);
             for (channel, fitted) in value.iter().enumerate() {
                 let left = &mut rest[channel][at];
                 *left = (*left - f64::from(share * fitted)).max(0.0);

@@ -20,6 +20,13 @@ pub struct PaintedImage {
     pub pixels: Vec<[f32; 4]>,
 }
 
+impl PaintedImage {
+    /// Whether a pixel counts as painted.
+    pub fn is_painted(&self, pixel: usize) -> bool {
+        self.pixels[pixel][3] >= COVERED
+    }
+}
+
 /// Pixels that give no sample, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Skipped {
@@ -108,23 +115,26 @@ impl PaintSamples {
             return Err(PaintError::Size { view, found_width, found_height, width, height });
         }
         for (pixel, (surface, painted)) in buffers.pixels.iter().zip(&image.pixels).enumerate() {
-            let is_covered = painted[3] >= COVERED;
+            let is_covered = image.is_painted(pixel);
             let Some(surface) = surface else {
                 self.skipped.outside += usize::from(is_covered);
                 continue;
             };
+            #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
+            let value = {
+                let [r, g, b, _] = *painted;
+                [r, g, b].map(|v| v.max(0.0) / surface.wi.z as f32)
+            };
+            let is_finite = painted.iter().chain(&value).all(|v| v.is_finite());
             let reason = if !is_covered {
                 &mut self.skipped.transparent
             } else if surface.wi.z < least_cosine || !surface.is_seen_and_lit() {
                 &mut self.skipped.grazing
-            } else if painted.iter().any(|v| !v.is_finite()) {
+            } else if !is_finite {
                 &mut self.skipped.not_finite
             } else {
-                let [r, g, b, _] = *painted;
-                self.skipped.clamped += usize::from([r, g, b].iter().any(|v| *v < 0.0));
-                #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
-                let scale = (1.0 / surface.wi.z) as f32;
-                self.values.push([r, g, b].map(|v| scale * v.max(0.0)));
+                self.skipped.clamped += usize::from(painted[..3].iter().any(|v| *v < 0.0));
+                self.values.push(value);
                 self.pairs.push(DirectionPair::new(surface.wi, surface.wo));
                 self.places.push(surface.uv);
                 self.origins.push((view, pixel));
@@ -158,14 +168,8 @@ impl PaintSamples {
     /// About `count` of the samples, evenly from all; fewer if there are fewer.
     #[must_use]
     pub fn thinned(&self, count: usize) -> Self {
-        let step = (self.len() / count.max(1)).max(1);
-        self.chosen((0..self.len()).step_by(step).take(count))
-    }
-
-    /// All but the first few.
-    #[must_use]
-    pub fn skip(&self, count: usize) -> Self {
-        self.chosen(count..self.len())
+        let count = count.min(self.len());
+        self.chosen((0..count).map(|at| at * self.len() / count))
     }
 
     fn chosen(&self, order: impl Iterator<Item = usize>) -> Self {

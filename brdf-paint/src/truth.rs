@@ -44,9 +44,14 @@ impl BlendedTruth<'_> {
 
     /// f π, scaled and clipped.
     pub fn value(&self, pair: &DirectionPair, place: DVec2) -> Rgb {
+        (self.blend(pair, place) * self.scale).map(|v| v.clamp(0.0, 1.0))
+    }
+
+    /// f π.
+    fn blend(&self, pair: &DirectionPair, place: DVec2) -> Rgb {
         let shares = Self::shares(place);
         let sum: Rgb = self.brdfs.iter().zip(shares).map(|(f, share)| f.eval(pair) * share).sum();
-        (sum * (PI * self.scale)).map(|v| v.clamp(0.0, 1.0))
+        sum * PI
     }
 
     /// What a camera sees of it: f π cosθi in linear RGB.
@@ -66,20 +71,17 @@ impl BlendedTruth<'_> {
 
     /// The scale at which the 99.5th percentile of all channels over these views is 1.
     pub fn scaled_for<'a>(self, views: impl IntoIterator<Item = &'a ViewBuffers>) -> Self {
-        let plain = Self { scale: 1.0, ..self };
         let mut values: Vec<f64> = views
             .into_iter()
             .flat_map(|buffers| buffers.pixels.iter().flatten())
             .filter(|surface| surface.is_seen_and_lit() && surface.wi.z >= 0.1)
             .flat_map(|surface| {
                 let pair = DirectionPair::new(surface.wi, surface.wo);
-                let shares = Self::shares(surface.uv);
-                let brdfs = plain.brdfs.iter().zip(shares);
-                (brdfs.map(|(f, share)| f.eval(&pair) * share).sum::<Rgb>() * PI).channels()
+                self.blend(&pair, surface.uv).channels()
             })
             .collect();
         if values.is_empty() {
-            return plain;
+            return Self { scale: 1.0, ..self };
         }
         let at = (values.len() - 1) * 995 / 1000;
         let (_, limit, _) = values.select_nth_unstable_by(at, f64::total_cmp);

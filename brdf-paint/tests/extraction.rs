@@ -124,12 +124,14 @@ fn what_gives_no_sample_is_counted() {
         (0..SIZE * SIZE).filter(|at| buffers.pixels[*at].as_ref().is_some_and(lit)).collect();
     image.pixels[inside[0]][3] = 0.0;
     image.pixels[inside[1]][0] = f32::NAN;
+    // Finite, but not once it is divided by the cosine.
+    image.pixels[inside[3]][2] = f32::MAX;
     image.pixels[inside[2]][1] = -1.0;
     let mut samples = PaintSamples::new();
     samples.add(0, "view", buffers, &image, 0.1).unwrap();
     let skipped = samples.skipped;
-    assert_eq!((skipped.transparent, skipped.not_finite, skipped.clamped), (1, 1, 1));
-    assert_eq!(samples.len(), inside.len() - 2);
+    assert_eq!((skipped.transparent, skipped.not_finite, skipped.clamped), (1, 2, 1));
+    assert_eq!(samples.len(), inside.len() - 3);
     let seen = buffers.pixels.iter().flatten().count();
     assert_eq!(skipped.outside, SIZE * SIZE - seen);
     assert_eq!(skipped.grazing, seen - inside.len());
@@ -139,6 +141,24 @@ fn what_gives_no_sample_is_counted() {
     assert!(matches!(refused, Err(PaintError::Size { .. })), "{refused:?}");
     let nothing = extract(&PaintSamples::new(), &PaintParams::default(), &|_| ());
     assert!(matches!(nothing, Err(PaintError::NothingPainted { .. })));
+}
+
+#[test]
+fn thinning_takes_from_everywhere() {
+    let mesh = torus();
+    let views = buffers(&mesh, &vertex_views(&mesh)[..3]);
+    let brdf = presets();
+    let truth = BlendedTruth { brdfs: [&brdf[0], &brdf[1], &brdf[2]], scale: 0.5 };
+    let all = samples(&truth, &views);
+    let thin = all.thinned(all.len() * 6 / 10);
+    assert_eq!(thin.len(), all.len() * 6 / 10);
+    for view in 0..3 {
+        let count = |samples: &PaintSamples| samples.origins.iter().filter(|o| o.0 == view).count();
+        assert!((count(&thin) * 10).abs_diff(count(&all) * 6) <= 10, "view {view}");
+    }
+    let params = PaintParams { map_size: 4096, products: 10, ..PaintParams::default() };
+    let refused = extract(&thin, &params, &|_| ());
+    assert!(matches!(refused, Err(PaintError::Option { .. })), "more memory than there is");
 }
 
 #[test]

@@ -37,7 +37,7 @@ pub use image_error::{
     psnr_db, ssim_map,
 };
 pub use light::{DirectionalLight, Environment, EnvironmentError, Light};
-pub use mesh::{Mesh, MeshError, MeshHit, MeshNotes, Soup, SurfacePoint};
+pub use mesh::{Mesh, MeshError, MeshHit, MeshNotes, Soup, SurfacePoint, UvSource};
 pub use mesh_view::{MeshView, render_mesh};
 pub use separable_view::{Side, term_view};
 pub use shape::Shape;

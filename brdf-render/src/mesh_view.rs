@@ -4,7 +4,7 @@ use brdf_model::Rgb;
 use glam::{DVec2, DVec3};
 
 use crate::film::Film;
-use crate::shape::Hit;
+use crate::shape::{Hit, wrapped};
 use crate::sphere::Frame;
 use crate::textured::{Stage, render_stage};
 use crate::{Camera, Light, Mesh, SpatiallyVarying, SurfacePoint, TexturePoint};
@@ -90,7 +90,7 @@ impl Stage for MeshStage<'_> {
             (Some(hit), ground) if ground.is_none_or(|(distance, _)| hit.distance < distance) => {
                 let surface = self.mesh.surface(&hit).facing(-direction);
                 let cos = surface.normal.dot(-direction);
-                let [u, v] = (self.view.tiles * surface.uv).to_array().map(|t| t - t.floor());
+                let [u, v] = (self.view.tiles * surface.uv).to_array().map(on_tile);
                 let footprint = step * self.footprint(hit.triangle, hit.distance, &surface, cos);
                 Some(Hit {
                     frame: in_camera(self.camera, &surface.frame()),
@@ -118,6 +118,11 @@ impl Stage for MeshStage<'_> {
         let direction = self.camera.to_scene(direction);
         !self.mesh.is_shadowed(hit.position, direction, f64::INFINITY)
     }
+}
+
+/// A place on a tile; its far rim is its own, not the near one.
+fn on_tile(tiles: f64) -> f64 {
+    if (0.0..=1.0).contains(&tiles) { tiles } else { wrapped(tiles) }
 }
 
 fn in_camera(camera: &Camera, frame: &Frame) -> Frame {

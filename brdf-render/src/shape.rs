@@ -230,7 +230,7 @@ fn footprint(frame: &Frame, direction: DVec3, side: f64, density: DVec2) -> f64 
 }
 
 /// The part after the point, in [0, 1).
-fn wrapped(tiles: f64) -> f64 {
+pub(crate) fn wrapped(tiles: f64) -> f64 {
     let part = tiles - tiles.floor();
     // A tiny negative number leaves 1 after rounding.
     if part < 1.0 { part } else { 0.0 }

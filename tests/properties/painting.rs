@@ -11,7 +11,9 @@ use brdf_paint::{
     BlendedTruth, Mode, PaintParams, PaintSamples, SolverChoice, ViewBuffers, extract, vertex_views,
 };
 use brdf_param::DirectionPair;
-use brdf_render::{Camera, DirectionalLight, Light, Mesh, MeshView, Soup, Uniform, render_mesh};
+use brdf_render::{
+    Camera, DirectionalLight, Light, Mesh, MeshView, Soup, Uniform, UvSource, render_mesh,
+};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 
@@ -35,7 +37,7 @@ fn painted_file() -> PaintedFile {
         ..PaintParams::default()
     };
     let material = extract(&samples, &settings, &|_| ()).unwrap().material;
-    PaintedFile { material, record: PaintRecord { settings, uv: "sphere".to_owned() } }
+    PaintedFile { material, record: PaintRecord { settings, uv: UvSource::Sphere } }
 }
 
 fn basis_file(inversion: Inversion) -> BasisFile {
@@ -97,7 +99,7 @@ fn use_mesh(bytes: &[u8]) {
         let view = MeshView { size: 4, has_ground: true, ..MeshView::default() };
         let light = Light::Directional(DirectionalLight::default());
         let film = render_mesh(&mesh, &Uniform(&brdf), &light, &camera, &view);
-        assert_eq!(film.pixels().len(), 16);
+        assert_eq!(film.pixels().len(), 16, "a whole picture");
     }
 }
 
@@ -149,6 +151,35 @@ fn damaged_files_are_refused_or_usable() {
     }
     damaged(&binary_ply()).for_each(|bytes| use_mesh(&bytes));
     damaged(OBJ.as_bytes()).for_each(|bytes| use_mesh(&bytes));
+}
+
+/// Pictures of scans are the same anywhere: boxes are in single precision, but about the mesh.
+#[test]
+fn a_mesh_far_from_the_origin_has_no_holes() {
+    let shift = DVec3::new(3e5, -2e5, 1e5);
+    let moved = |by: DVec3| {
+        let mut soup = Soup::torus();
+        soup.positions.iter_mut().for_each(|p| *p += by);
+        Mesh::new(soup).unwrap().0
+    };
+    let hits = [DVec3::ZERO, shift].map(|by| {
+        let mesh = moved(by);
+        let view = &vertex_views(&mesh)[3];
+        let buffers = ViewBuffers::of(&mesh, view, 64, 64);
+        buffers.pixels.iter().map(Option::is_some).collect::<Vec<_>>()
+    });
+    let differ = hits[0].iter().zip(&hits[1]).filter(|(a, b)| a != b).count();
+    assert!(differ <= 2, "{differ} pixels differ");
+}
+
+#[test]
+fn a_basis_without_vectors_is_refused() {
+    let [_, file] = basis_files();
+    let brdf_factor::Inverse::Svd(basis) = &file.inverse else { panic!("asked for") };
+    assert!(
+        brdf_factor::SpectralBasis::from_parts(basis.unknowns(), Vec::new(), Vec::new()).is_none(),
+        "nothing to solve with"
+    );
 }
 
 proptest! {

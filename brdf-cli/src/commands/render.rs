@@ -80,7 +80,7 @@ impl Render {
             subjects.iter().map(|s| (s.short_name(), s.brdf())).collect();
         let light = light(&self.light)?;
         let mesh = match &self.mesh.mesh {
-            Some(path) => Some(open_mesh(path, self.mesh.uv)?),
+            Some(path) => Some(open_mesh(path, self.mesh.uv.map(Into::into))?),
             None => None,
         };
         let size = self.size.map(|size| size as usize);

@@ -38,6 +38,7 @@ impl SpectralBasis {
     /// A basis from its parts; none unless they fit together.
     pub fn from_parts(unknowns: usize, vectors: Vec<f64>, weights: Vec<f64>) -> Option<Self> {
         let fits = unknowns > 0
+            && !weights.is_empty()
             && unknowns.checked_mul(weights.len()) == Some(vectors.len())
             && vectors.iter().chain(&weights).all(|v| v.is_finite());
         fits.then_some(Self { unknowns, vectors, weights })

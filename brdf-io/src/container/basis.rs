@@ -35,6 +35,9 @@ pub struct BasisRecord {
     pub components: Option<usize>,
 }
 
+/// Most samples that a file may ask to be drawn.
+const MOST_SAMPLES: u64 = 1 << 27;
+
 #[derive(Serialize, Deserialize)]
 struct Record {
     #[serde(flatten)]
@@ -90,6 +93,13 @@ pub fn parse_basis(bytes: &[u8]) -> Result<BasisFile, FormatError> {
     };
     if record.unknowns == 0 || record.unknowns > Solver::MAX_DENSE {
         return Err(refuse());
+    }
+    let FitSettings { samples, replicate, .. } = record.settings;
+    if replicate > 360 || u64::from(samples) * u64::from(replicate) > MOST_SAMPLES {
+        return Err(FormatError::Missing {
+            what: format!("usable number of samples ({samples}, turned {replicate} times)"),
+            expected: format!("at most 360 turns and {MOST_SAMPLES} samples in all"),
+        });
     }
     let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
     let values = |name: &str, shape: &[usize]| -> Result<Vec<f64>, FormatError> {

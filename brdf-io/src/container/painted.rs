@@ -4,6 +4,7 @@ use brdf_factor::{
     ChannelMap, Factor, FactorDescription, FactoredBrdf, SurfaceProduct, SurfaceTexture,
 };
 use brdf_paint::{CoefficientMap, Component, PaintParams, PaintedMaterial};
+use brdf_render::UvSource;
 use safetensors::SafeTensors;
 use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
@@ -26,8 +27,8 @@ pub struct PaintedFile {
 pub struct PaintRecord {
     /// Options.
     pub settings: PaintParams,
-    /// Texture coordinates: `sphere`, `atlas` or `file`.
-    pub uv: String,
+    /// Where texture coordinates are from.
+    pub uv: UvSource,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -134,15 +135,24 @@ pub fn parse_painted(bytes: &[u8]) -> Result<PaintedFile, FormatError> {
                 Some(CoefficientMap { size, wraps, values: f32_values(data) })
             }
         };
-        if coefficients.as_ref().is_some_and(|map| map.size == 0) {
+        let is_sound = |map: &CoefficientMap| {
+            map.size > 0 && map.values.iter().all(|v| v.is_finite() && *v >= 0.0)
+        };
+        if !coefficients.as_ref().is_none_or(is_sound) {
             return Err(FormatError::Missing {
-                what: format!("texels of {}", map_name(index)),
-                expected: "a map of one texel or more".to_owned(),
+                what: format!("sound texels of {}", map_name(index)),
+                expected: "a map of finite numbers of 0 and above".to_owned(),
             });
         }
         Ok(Component { coefficients, product: SurfaceProduct::new(angular, surface)? })
     });
     let components = components.collect::<Result<Vec<_>, FormatError>>()?;
+    if record.limit.iter().any(|limit| !(limit.is_finite() && *limit >= 0.0)) {
+        return Err(FormatError::Missing {
+            what: "brightest painted value".to_owned(),
+            expected: "`limit` of three finite numbers of 0 and above".to_owned(),
+        });
+    }
     Ok(PaintedFile {
         material: PaintedMaterial { components, limit: record.limit },
         record: record.paint,

@@ -4,12 +4,12 @@
 
 use std::time::Duration;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
-use obvhs::triangle::Triangle;
 
 /// Where a ray meets a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,8 +30,13 @@ impl MeshHit {
     }
 }
 
+/// Boxes around triangles, in axes in which the mesh fills the unit sphere, where f32 is fine enough.
 #[derive(Clone)]
-pub(super) struct Bvh(Bvh2);
+pub(super) struct Bvh {
+    boxes: Bvh2,
+    centre: DVec3,
+    radius: f64,
+}
 
 impl std::fmt::Debug for Bvh {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -39,17 +44,28 @@ impl std::fmt::Debug for Bvh {
     }
 }
 
+/// What boxes reach beyond their triangles, and rays beyond their hits: more than f32 rounds away.
+const MARGIN: f32 = 1e-6;
+
 impl Bvh {
-    pub(super) fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Self {
-        let boxes: Vec<Triangle> = triangles
+    pub(super) fn new(
+        positions: &[DVec3],
+        triangles: &[[u32; 3]],
+        centre: DVec3,
+        radius: f64,
+    ) -> Self {
+        let place = |at: u32| ((positions[at as usize] - centre) / radius).as_vec3a();
+        let boxes: Vec<Aabb> = triangles
             .iter()
             .map(|corners| {
-                let [v0, v1, v2] = corners.map(|at| positions[at as usize].as_vec3a());
-                Triangle { v0, v1, v2 }
+                let [a, b, c] = corners.map(place);
+                let margin = Vec3A::splat(MARGIN);
+                Aabb::new(a.min(b).min(c) - margin, a.max(b).max(c) + margin)
             })
             .collect();
         let params = BvhBuildParams::medium_build();
-        Self(build_bvh2_from_tris(&boxes, params, &mut Duration::default()))
+        let boxes = build_bvh2(&boxes, params, &mut Duration::default());
+        Self { boxes, centre, radius }
     }
 
     pub(super) fn nearest(
@@ -61,8 +77,9 @@ impl Bvh {
         least: f64,
     ) -> Option<MeshHit> {
         let mut nearest: Option<MeshHit> = None;
-        self.0.ray_traverse(ray(origin, direction, f32::INFINITY), &mut RayHit::none(), |_, at| {
-            let triangle = self.0.primitive_indices[at] as usize;
+        let ray = self.ray(origin, direction, f32::INFINITY);
+        self.boxes.ray_traverse(ray, &mut RayHit::none(), |_, at| {
+            let triangle = self.boxes.primitive_indices[at] as usize;
             let corners = triangles[triangle].map(|at| positions[at as usize]);
             let met = meet(corners, origin, direction).filter(|(distance, _)| *distance >= least);
             let Some((distance, barycentric)) = met else { return f32::INFINITY };
@@ -72,7 +89,7 @@ impl Bvh {
             if is_nearer {
                 nearest = Some(MeshHit { distance, triangle, barycentric });
             }
-            beyond(distance)
+            self.beyond(distance)
         });
         nearest
     }
@@ -85,8 +102,9 @@ impl Bvh {
         direction: DVec3,
         limit: f64,
     ) -> bool {
-        !self.0.ray_traverse_miss(ray(origin, direction, beyond(limit)), |_, at| {
-            let triangle = self.0.primitive_indices[at] as usize;
+        let ray = self.ray(origin, direction, self.beyond(limit));
+        !self.boxes.ray_traverse_miss(ray, |_, at| {
+            let triangle = self.boxes.primitive_indices[at] as usize;
             let corners = triangles[triangle].map(|at| positions[at as usize]);
             match meet(corners, origin, direction) {
                 Some((distance, _)) if distance >= 0.0 && distance < limit => 0.0,
@@ -94,16 +112,18 @@ impl Bvh {
             }
         })
     }
-}
 
-fn ray(origin: DVec3, direction: DVec3, limit: f32) -> Ray {
-    Ray::new(origin.as_vec3a(), direction.as_vec3a(), 0.0, limit)
-}
+    /// A ray in the axes of the boxes.
+    fn ray(&self, origin: DVec3, direction: DVec3, limit: f32) -> Ray {
+        let offset = (origin - self.centre) / self.radius;
+        Ray::new(offset.as_vec3a(), direction.as_vec3a(), 0.0, limit)
+    }
 
-/// A little more than a distance, so that what rounding puts behind it is still looked at.
-#[expect(clippy::cast_possible_truncation, reason = "rounded up")]
-fn beyond(distance: f64) -> f32 {
-    (distance * (1.0 + 1e-5)) as f32
+    /// A little more than a distance, so that what rounding puts behind it is still looked at.
+    #[expect(clippy::cast_possible_truncation, reason = "rounded up")]
+    fn beyond(&self, distance: f64) -> f32 {
+        (distance / self.radius * (1.0 + 1e-5)) as f32 + MARGIN
+    }
 }
 
 /// Distance along a ray to a triangle, from either side, and the shares of its second and third

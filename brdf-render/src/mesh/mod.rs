@@ -5,6 +5,7 @@ mod soup;
 mod texture_coordinates;
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 pub use bvh::MeshHit;
 pub use soup::{MeshNotes, Soup};
@@ -63,6 +64,18 @@ pub enum MeshError {
     },
 }
 
+/// How a mesh comes by texture coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UvSource {
+    /// Longitude and latitude about the centre, which every mesh has.
+    Sphere,
+    /// Unwrapped into charts that do not overlap.
+    Atlas,
+    /// Those of the file.
+    File,
+}
+
 /// A mesh of triangles with smooth normals, ready for rays.
 ///
 /// Any unit of length; y is up where it matters (tangents, [`Mesh::with_sphere_coordinates`]).
@@ -92,7 +105,7 @@ pub struct SurfacePoint {
     /// Unit, at a right angle to the smooth normal: along u where the file has texture coordinates,
     /// elsewhere to the east, around the vertical axis.
     pub tangent: DVec3,
-    /// Texture coordinates, [0, 1]².
+    /// Texture coordinates; [0, 1]² unless the file's repeat a tile.
     pub uv: DVec2,
 }
 
@@ -138,7 +151,7 @@ impl Mesh {
         let centre = 0.5 * (low + high);
         let farthest = positions.iter().map(|p| p.distance_squared(centre)).fold(0.0, f64::max);
         let radius = farthest.sqrt();
-        let bvh = Bvh::new(&positions, &triangles);
+        let bvh = Bvh::new(&positions, &triangles, centre, radius);
         let coordinates = match uv {
             Some(uv) => TextureCoordinates::OfFile(uv),
             None => TextureCoordinates::Sphere { centre },
@@ -178,14 +191,23 @@ impl Mesh {
         self.lowest
     }
 
-    /// Whether texture coordinates came with the file.
-    pub fn has_own_coordinates(&self) -> bool {
-        matches!(self.coordinates, TextureCoordinates::OfFile(_))
+    /// Where its texture coordinates are from.
+    pub fn uv_source(&self) -> UvSource {
+        match self.coordinates {
+            TextureCoordinates::Sphere { .. } => UvSource::Sphere,
+            TextureCoordinates::Atlas(_) => UvSource::Atlas,
+            TextureCoordinates::OfFile(_) => UvSource::File,
+        }
     }
 
     /// Whether u goes around: 0 and 1 are the same place.
     pub fn wraps_around(&self) -> bool {
-        matches!(self.coordinates, TextureCoordinates::Sphere { .. })
+        self.uv_source() == UvSource::Sphere
+    }
+
+    /// Whether all texture coordinates lie in [0, 1]²; those of a file may repeat a tile.
+    pub fn lies_on_one_tile(&self) -> bool {
+        self.coordinates.lie_on_one_tile()
     }
 
     /// The same with longitude and latitude about its centre as texture coordinates, which any other

@@ -28,6 +28,15 @@ impl TextureCoordinates {
         }
     }
 
+    pub(super) fn lie_on_one_tile(&self) -> bool {
+        match self {
+            Self::Sphere { .. } => true,
+            Self::OfFile(uv) | Self::Atlas(uv) => {
+                uv.iter().all(|at| at.min_element() >= 0.0 && at.max_element() <= 1.0)
+            }
+        }
+    }
+
     /// Units of texture coordinates along a unit of length, of a triangle with twice this area.
     pub(super) fn density(&self, corners: [usize; 3], area: f64, position: DVec3) -> f64 {
         match self {

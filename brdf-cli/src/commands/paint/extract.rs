@@ -14,7 +14,7 @@ use brdf_paint::{
     Extraction, Mode, PaintErrors, PaintParams, PaintSamples, PaintedImage, SolverChoice,
     ViewBuffers, extract, face_views,
 };
-use brdf_render::{DirectionalLight, Light, SphereView, ToneMap, render_sphere};
+use brdf_render::{DirectionalLight, Light, SphereView, ToneMap, UvSource, render_sphere};
 use clap::ValueEnum;
 use maud::html;
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 use super::report::{coverage_view, map_view, view_strip};
 use super::setup::blended;
 use crate::args::positive;
-use crate::meshes::{UvArg, open_mesh};
+use crate::meshes::open_mesh;
 use crate::numbers::{bytes as shown_bytes, significant};
 use crate::pictures::png;
 use crate::progress::Progress;
@@ -146,17 +146,30 @@ impl Extract {
             let into = if self.hold_out.contains(name) { &mut held_out } else { &mut training };
             into.add(view, name, buffers, image, self.least_cosine)?;
         }
-        if training.skipped != brdf_paint::Skipped::default() {
-            notes.push(format!("skipped: {}", training.skipped));
+        for (what, samples) in [("skipped", &training), ("skipped of held-out views", &held_out)] {
+            if samples.skipped != brdf_paint::Skipped::default() {
+                notes.push(format!("{what}: {}", samples.skipped));
+            }
         }
-        let params = self.params(scene.uv == UvArg::Sphere.name());
+        let params = self.params(scene.uv == UvSource::Sphere);
         let made = extract(&training, &params, &|step| progress.step(step.to_owned()))?;
         progress.step("judging");
         let held_out_errors = if held_out.is_empty() {
-            self.truth_errors(&scene, &made, &mut notes)?
+            self.truth_errors(&scene, &made).unwrap_or_else(|error| {
+                // What was made is worth keeping without being judged.
+                notes.push(format!("no held-out views: {error:#}"));
+                None
+            })
         } else {
             Some(held_out.errors(&made.material))
         };
+        let clamped = made.material.clamped(&training);
+        if clamped.below_zero + clamped.above_limit > 0 {
+            notes.push(format!(
+                "{} painted pixels have a product below 0, set to 0; {} are above the brightest painted, cut to it",
+                clamped.below_zero, clamped.above_limit
+            ));
+        }
         let unconstrained = made.unconstrained.iter().filter(|u| **u).count();
         if unconstrained > 0 {
             notes.push(format!(
@@ -164,7 +177,7 @@ impl Extract {
                 made.unconstrained.len()
             ));
         }
-        let record = PaintRecord { settings: params, uv: scene.uv.clone() };
+        let record = PaintRecord { settings: params, uv: scene.uv };
         let file = PaintedFile { material: made.material.clone(), record };
         let bytes = painted_to_bytes(&file)?;
         folder.write("material.safetensors", &bytes)?;
@@ -176,7 +189,7 @@ impl Extract {
             "max": { "train": made.errors.max, "held_out": held_out_errors.map(|e| e.max) },
             "products": made.material.components.len(), "samples": training.len(),
             "unconstrained_texels": unconstrained, "smoothed_texels": made.smoothed_texels,
-            "skipped": training.skipped, "bytes": bytes.len(),
+            "skipped": training.skipped, "clamped": clamped, "bytes": bytes.len(),
             "seconds": start.elapsed().as_secs_f64(), "settings": params, "notes": notes,
         });
         folder.write("report.html", page(&report, &strips, &notes).as_bytes())?;
@@ -227,13 +240,11 @@ impl Extract {
     /// Views that were painted, and what should be said about the others.
     fn read_views(&self, scene: &Scene) -> anyhow::Result<(Vec<Painted>, Vec<String>)> {
         let folder = self.scene.join("painted");
+        let pictures = pictures_in(&folder)?;
         let (mut painted, mut missing) = (Vec::new(), Vec::new());
         for view in &scene.views {
-            let found: Vec<PathBuf> = ["png", "exr", "jpg"]
-                .map(|kind| folder.join(format!("{}.{kind}", view.name)))
-                .into_iter()
-                .filter(|path| path.exists())
-                .collect();
+            let found: Vec<&PathBuf> =
+                pictures.iter().filter(|path| is_of(path, &view.name)).collect();
             match &found[..] {
                 [] => missing.push(view.name.as_str()),
                 [path] => {
@@ -256,11 +267,13 @@ impl Extract {
                 missing.first().unwrap_or(&"view00")
             );
         }
-        let notes = if missing.is_empty() {
-            Vec::new()
-        } else {
-            vec![format!("not painted: {}", missing.join(", "))]
-        };
+        let mut notes = Vec::new();
+        if !missing.is_empty() {
+            notes.push(format!("not painted: {}", missing.join(", ")));
+        }
+        let is_strange = |path: &&PathBuf| !scene.views.iter().any(|view| is_of(path, &view.name));
+        let strange = pictures.iter().filter(is_strange);
+        notes.extend(strange.map(|path| format!("{}: of no view, not used", path.display())));
         Ok((painted, notes))
     }
 
@@ -269,16 +282,9 @@ impl Extract {
         &self,
         scene: &Scene,
         made: &Extraction,
-        notes: &mut Vec<String>,
     ) -> anyhow::Result<Option<PaintErrors>> {
         let Some(record) = &scene.truth else { return Ok(None) };
-        let mesh = match open_mesh(Path::new(&scene.mesh), UvArg::find(&scene.uv)) {
-            Ok(mesh) => mesh,
-            Err(error) => {
-                notes.push(format!("no held-out views: {error:#}"));
-                return Ok(None);
-            }
-        };
+        let mesh = open_mesh(Path::new(&scene.mesh), Some(scene.uv))?;
         let subjects: Vec<Subject> = record
             .materials
             .iter()
@@ -327,6 +333,26 @@ impl Extract {
         }
         Ok(pictures)
     }
+}
+
+/// Files of a folder, in order.
+fn pictures_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| entry.map(|e| e.path())).collect::<Result<_, _>>()?;
+    paths.retain(|path| path.is_file());
+    paths.sort();
+    Ok(paths)
+}
+
+/// Whether a file is the painting of a view.
+fn is_of(path: &Path, view: &str) -> bool {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let is_picture = ending.is_some_and(|e| ["png", "jpg", "jpeg", "exr"].contains(&e.as_str()));
+    is_picture && path.file_stem().is_some_and(|stem| stem == view)
 }
 
 fn page(report: &Value, pictures: &[(String, Vec<u8>)], notes: &[String]) -> String {

@@ -8,7 +8,7 @@ use brdf_io::{MappedFile, parse_painted, write_atomically};
 use brdf_render::{MeshView, ToneMap, render_mesh};
 
 use crate::args::{ForceArgs, LightArgs, positive, usage};
-use crate::meshes::{UvArg, ViewArgs, open_mesh};
+use crate::meshes::{ViewArgs, open_mesh};
 use crate::pictures::{light, png};
 use crate::progress::Progress;
 
@@ -67,7 +67,7 @@ impl Preview {
         let bytes = MappedFile::open(&path)?;
         let file = parse_painted(&bytes)
             .map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
-        let mesh = open_mesh(&self.mesh, UvArg::find(&file.record.uv))?;
+        let mesh = open_mesh(&self.mesh, Some(file.record.uv))?;
         let light_source = light(&self.light)?;
         let view = MeshView {
             size: self.size as usize,

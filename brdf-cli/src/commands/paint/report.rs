@@ -20,11 +20,11 @@ pub(super) fn guide(buffers: &ViewBuffers) -> DisplayImage {
 
 /// The painting as far as it counts.
 fn painted(buffers: &ViewBuffers, image: &PaintedImage) -> Film {
-    let pixels = buffers.pixels.iter().zip(&image.pixels).map(|(surface, pixel)| {
-        if surface.is_none() || pixel[3] < 0.5 {
+    let pixels = buffers.pixels.iter().enumerate().map(|(at, surface)| {
+        if surface.is_none() || !image.is_painted(at) {
             return Pixel::Background;
         }
-        let [r, g, b, _] = pixel.map(f64::from);
+        let [r, g, b, _] = image.pixels[at].map(f64::from);
         Pixel::Radiance(Rgb::new(r, g, b), 1.0)
     });
     Film::new(buffers.width, pixels.collect())

@@ -74,10 +74,15 @@ impl Setup {
             )));
         }
         let mut folder = OutputFolder::new(&self.output, self.force)?;
-        let mesh = open_mesh(&self.mesh, self.uv)?;
-        let uv =
-            self.uv.unwrap_or(if mesh.has_own_coordinates() { UvArg::File } else { UvArg::Sphere });
-        let views = self.open_views(&mesh)?;
+        let mesh = open_mesh(&self.mesh, self.uv.map(Into::into))?;
+        if !mesh.lies_on_one_tile() {
+            bail!(
+                "{}: texture coordinates outside [0, 1] repeat a tile, but each place is painted for itself; give \
+                 --uv sphere or atlas",
+                self.mesh.display()
+            );
+        }
+        let (views, mesh_uv) = (self.open_views(&mesh)?, mesh.uv_source());
         let size = self.size as usize;
         let progress = Progress::new(views.len() as u64 + 1);
         progress.step("casting rays");
@@ -118,7 +123,7 @@ impl Setup {
             Some(TruthRecord { materials, scale: truth.scale })
         });
         let mesh = self.mesh.to_string_lossy().into_owned();
-        let uv = uv.name().to_owned();
+        let uv = mesh_uv;
         let scene = Scene { mesh, uv, size, views, truth };
         folder.write("scene.toml", scene_to_toml(&scene)?.as_bytes())?;
         let pixels: usize = buffers.iter().map(|b| b.pixels.iter().flatten().count()).sum();
