@@ -174,6 +174,20 @@ pub(crate) fn two_angles(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
+/// Columns and rows of a picture; one number for a square.
+pub(crate) fn resolution(text: &str) -> Result<[usize; 2], String> {
+    let sides: Option<Vec<usize>> = text.split('x').map(|side| side.parse().ok()).collect();
+    let [width, height] = match sides.as_deref() {
+        Some([side]) => [*side; 2],
+        Some([width, height]) => [*width, *height],
+        _ => return Err("expected pixels such as 512, or 768x512".to_owned()),
+    };
+    match [width, height].iter().all(|side| (16..=4096).contains(side)) {
+        true => Ok([width, height]),
+        false => Err("expected 16 to 4096 pixels along each side".to_owned()),
+    }
+}
+
 /// A usage error of a subcommand, with exit code 2.
 pub(crate) fn usage(message: impl std::fmt::Display) -> anyhow::Error {
     Cli::command().error(ErrorKind::ArgumentConflict, message).into()

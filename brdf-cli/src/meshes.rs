@@ -25,6 +25,14 @@ pub(crate) struct MeshArgs {
     pub(crate) uv: Option<UvArg>,
 }
 
+impl MeshArgs {
+    /// The mesh, if one was asked for.
+    pub(crate) fn open(&self) -> anyhow::Result<Option<Mesh>> {
+        let open = |path: &PathBuf| open_mesh(path, self.uv.map(Into::into));
+        self.mesh.as_ref().map(open).transpose()
+    }
+}
+
 /// Where a mesh is seen from, and what it stands on.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ViewArgs {

@@ -8,8 +8,8 @@ use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::{DirectionPair, Parametrization};
 use brdf_plot::{Plot, plot_slices};
 use brdf_render::{
-    DirectionalLight, DisplayImage, Environment, Film, Light, Panel, Side, SphereView, ToneMap,
-    difference, render_sphere, strip, term_view, texture_view,
+    DIFFERENCE_GAIN, DirectionalLight, DisplayImage, Environment, Film, Light, Panel, Side,
+    SphereView, ToneMap, difference, render_sphere, strip, term_view, texture_view,
 };
 use brdf_separable::SeparableBrdf;
 
@@ -22,8 +22,6 @@ use crate::subject::Subject;
 /// Side of the spheres in reports.
 const SPHERE_SIZE: usize = 256;
 const SMALL_SPHERE: usize = 128;
-/// How much differences are brightened.
-pub(crate) const GAIN: u8 = 4;
 
 /// The light that the arguments ask for.
 pub(crate) fn light(args: &LightArgs) -> Result<Light, IoError> {
@@ -74,13 +72,16 @@ pub(crate) fn comparison(
     let films = [reference.1, model.1].map(|brdf| render_sphere(brdf, light, view));
     let tone = ToneMap::exposed_for(&films[0]);
     let [left, right] = [&films[0], &films[1]].map(|film| tone.apply(film));
-    let differs = difference(&films[0], &films[1], &tone, GAIN);
+    let differs = difference(&films[0], &films[1], &tone, DIFFERENCE_GAIN);
     let panel = |picture, caption: String| Panel { picture, caption };
     Comparison {
         picture: strip(&[
             panel(left, reference.0.to_owned()),
             panel(right, model.0.to_owned()),
-            panel(differs, format!("difference ×{GAIN}, exposure {}", significant(tone.exposure))),
+            panel(
+                differs,
+                format!("difference ×{DIFFERENCE_GAIN}, exposure {}", significant(tone.exposure)),
+            ),
         ]),
         exposure: tone.exposure,
         clipped_share: tone.clipped_share(&films[0]),
@@ -110,8 +111,8 @@ pub(crate) fn line_up(
         };
         panels.push(Panel { picture: picture.clone(), caption });
         if index > 0 {
-            let picture = difference(&films[0], &films[index], &tone, GAIN);
-            panels.push(Panel { picture, caption: format!("difference ×{GAIN}") });
+            let picture = difference(&films[0], &films[index], &tone, DIFFERENCE_GAIN);
+            panels.push(Panel { picture, caption: format!("difference ×{DIFFERENCE_GAIN}") });
         }
     }
     strip(&panels)

@@ -106,7 +106,10 @@ fn hand_made_paintings_count_where_they_are_opaque() {
     assert!(error.contains("scene"), "{error}");
     setup(folder, &["--force"]);
     assert!(folder.join("scene/painted/view00.png").exists());
-    fail(folder, &["paint", "setup", "shape:torus", "--views", "7", "-o", "x"], 2);
+    fail(folder, &["paint", "setup", "shape:torus", "--views", "0", "-o", "x"], 2);
+    fail(folder, &["paint", "setup", "shape:torus", "--size", "48x9", "-o", "x"], 2);
+    let log_map = ["--log-map", "highlight", "--offset", "0.1"];
+    fail(folder, &[&["paint", "extract", "scene"], &log_map[..]].concat(), 2);
     fail(folder, &["paint", "setup", "shape:torus", "--truth", "preset:ggx", "-o", "x"], 2);
     let light = "[[view]]\nname = \"in\"\neye = [0, 0, 9]\ntarget = [0, 0, 0]\nup = [0, 1, 0]\n\
         fov_deg = 30\nlight_position = [0, 0, 0.1]\n";
@@ -123,6 +126,99 @@ fn hand_made_paintings_count_where_they_are_opaque() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("repeat a tile"), "{output:?}");
     let other = fail(folder, &["paint", "preview", "views.toml", "--mesh", "shape:torus"], 1);
     assert!(other.contains("views.toml"), "{other}");
+}
+
+/// Photographs as they come: poses in a file, no square, shadows, lights of unequal strength, and three kinds of
+/// files. They are rendered; what is extracted is judged by the albedo that they were rendered with.
+#[test]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "pixels of pictures")]
+fn photographs_of_known_poses_become_a_material() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let mut views = String::new();
+    let files = ["a.png", "b.jpg", "c.exr", "d.png"];
+    for (at, file) in files.iter().enumerate() {
+        let (sin, cos) = (1.3 * at as f64).sin_cos();
+        let eye = [4.0 * sin, 2.5, 4.0 * cos];
+        let light = [2.5 * sin + 1.0, 1.0, 2.5 * cos];
+        let name = &file[..1];
+        views += &format!(
+            "[[view]]\nname = \"{name}\"\neye = {eye:?}\ntarget = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\n\
+             fov_deg = 34.0\nlight_position = {light:?}\nwhite = [0.3, 0.25, 0.2]\n"
+        );
+    }
+    fs::write(folder.join("views.toml"), views).unwrap();
+    let setup = ["paint", "setup", "shape:torus", "--views", "views.toml", "--size", "96x64"];
+    let made = json(folder, &[&setup[..], &["--uv", "sphere", "--json"]].concat());
+    assert_eq!(made["size"], serde_json::json!([96, 64]));
+    let (albedo, white) = ([0.7, 0.4, 0.2], [0.3, 0.25, 0.2]);
+    for file in files {
+        let buffers = folder.join(format!("scene/buffers/{}.exr", &file[..1]));
+        let buffers = brdf_io::read_buffers(&buffers, [96, 64]).unwrap();
+        let shadowed = buffers.pixels.iter().flatten().filter(|s| s.irradiance == 0.0).count();
+        assert!(shadowed > 10, "{file}: the ring shades itself");
+        let path = folder.join("scene/painted").join(file);
+        let linear = |at: usize| {
+            // What is in shadow is not quite black in a photograph.
+            let lit = buffers.pixels[at].map_or(0.3, |s| (s.wi.z * s.irradiance).max(0.02));
+            [0, 1, 2].map(|c| albedo[c] * white[c] * lit)
+        };
+        match file.split_once('.').unwrap() {
+            (_, "exr") => {
+                let pixels = (0..96 * 64).map(|at| {
+                    let [r, g, b] = linear(at).map(|v| v as f32);
+                    [r, g, b, 1.0]
+                });
+                let image =
+                    brdf_paint::PaintedImage { width: 96, height: 64, pixels: pixels.collect() };
+                fs::write(path, brdf_io::painting_to_exr(&image).unwrap()).unwrap();
+            }
+            (name, _) => {
+                let encode = |v: f64| {
+                    let low = 12.92 * v;
+                    if v <= 0.003_130_8 { low } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+                };
+                let picture = image::ImageBuffer::from_fn(96, 64, |x, y| {
+                    image::Rgb(
+                        linear((y * 96 + x) as usize).map(|v| (65535.0 * encode(v)).round() as u16),
+                    )
+                });
+                let picture = image::DynamicImage::ImageRgb16(picture);
+                let is_deep = name == "a";
+                let picture = if is_deep { picture } else { picture.into_rgb8().into() };
+                picture.save(path).unwrap();
+            }
+        }
+    }
+    let extract =
+        ["paint", "extract", "scene", "--mode", "brdf", "--least-cosine", "0.25", "--json"];
+    let report = json(folder, &extract);
+    assert!(report["skipped"]["shadowed"].as_u64().unwrap() > 40, "{report}");
+    // The blocks of the JPEG run over the rim of the object.
+    assert!(report["contradicted_cells"].as_u64().unwrap() < 10, "{report}");
+    let rms = |report: &Value, of: &str| report["rms"][of].as_f64().unwrap();
+    assert!(rms(&report, "train") < 0.06, "{report}");
+    let held = json(folder, &[&extract[..], &["--hold-out", "b", "-o", "held"]].concat());
+    let (train, jpeg) = (rms(&held, "train"), rms(&held, "held_out"));
+    assert!(train < 0.015 && jpeg < 0.05, "16 bits, 8 bits and floats: {train}; the JPEG: {jpeg}");
+    let few = json(folder, &[&extract[..], &["--pixels", "800", "-o", "few"]].concat());
+    assert_eq!(few["samples"], 800);
+    assert!(few["notes"].to_string().contains("more than --pixels"), "{few}");
+    image::RgbImage::from_pixel(96, 64, image::Rgb([255; 3]))
+        .save(folder.join("scene/painted/d.png"))
+        .unwrap();
+    let full = json(folder, &[&extract[..], &["-o", "full"]].concat());
+    assert!(full["notes"].to_string().contains("may have been brighter"), "{full}");
+    let view = ["--view-deg", "0,90", "--light-deg", "0,0", "--size", "64", "-o", "p.png"];
+    let preview = ["paint", "preview", "material", "--mesh", "shape:torus"];
+    succeed(folder, &[&preview[..], &view[..]].concat());
+    let picture = image::open(folder.join("p.png")).unwrap().into_rgb8();
+    let brightest =
+        |c: usize| picture.pixels().map(|p| f64::from(p.0[c]) / 255.0).fold(0.0, f64::max);
+    for (channel, albedo) in albedo.iter().enumerate() {
+        let found = ((brightest(channel) + 0.055) / 1.055).powf(2.4);
+        assert!((found - albedo).abs() < 0.04, "the top of the ring: {found} for {albedo}");
+    }
 }
 
 #[test]

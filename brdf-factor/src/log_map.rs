@@ -54,10 +54,15 @@ impl ChannelMap {
                     _ if largest <= 0.0 => Self::Zero,
                     LogMap::Offset => Self::Offset { a: offset },
                     LogMap::Log => Self::Log,
-                    LogMap::Highlight => Self::Highlight { a: HIGHLIGHT_MARGIN * largest },
+                    LogMap::Highlight => Self::highlight(largest),
                 }
             })
             .collect()
+    }
+
+    /// ln(a − f) for values up to `largest`; [`ChannelMap::Zero`] if that is not above 0.
+    pub fn highlight(largest: f64) -> Self {
+        if largest > 0.0 { Self::Highlight { a: HIGHLIGHT_MARGIN * largest } } else { Self::Zero }
     }
 
     /// The value that is fitted for a reflectance in sr⁻¹.
@@ -66,6 +71,15 @@ impl ChannelMap {
             Self::Offset { a } => (a + f).ln(),
             Self::Log => f.ln(),
             Self::Highlight { a } => (a - f).ln(),
+            Self::Zero => 0.0,
+        }
+    }
+
+    /// How fast the reflectance changes with a fitted value.
+    pub fn slope(&self, value: f64) -> f64 {
+        match self {
+            Self::Offset { .. } | Self::Log => value.exp(),
+            Self::Highlight { .. } => -value.exp(),
             Self::Zero => 0.0,
         }
     }

@@ -63,7 +63,8 @@ fn is_ours(content: &[u8]) -> bool {
 const MARK: (&str, &str) = ("report.json", "{\n  \"brdf\":");
 
 /// Files of every folder of ours; textures have numbers.
-const OUR_NAMES: [&str; 9] = [
+const OUR_NAMES: [&str; 10] = [
+    "contradictions.png",
     "coverage.png",
     "material.safetensors",
     "model.safetensors",

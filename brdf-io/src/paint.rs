@@ -21,8 +21,8 @@ pub struct Scene {
     pub mesh: String,
     /// Where its texture coordinates are from.
     pub uv: UvSource,
-    /// Pixels along each side of the pictures.
-    pub size: usize,
+    /// Columns and rows of the pictures.
+    pub size: [usize; 2],
     /// Cameras and lights.
     pub views: Vec<View>,
     /// What the pictures show, where they were rendered.
@@ -44,7 +44,7 @@ pub struct TruthRecord {
 struct RawScene {
     mesh: String,
     uv: UvSource,
-    size: usize,
+    size: [usize; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
     truth: Option<TruthRecord>,
     view: Vec<RawView>,
@@ -69,6 +69,19 @@ struct RawView {
     light_direction: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     light_position: Option<[f64; 3]>,
+    #[serde(default = "plain_white")]
+    white: [f64; 3],
+    /// Photographs have them.
+    #[serde(default = "has_shadows")]
+    shadows: bool,
+}
+
+fn plain_white() -> [f64; 3] {
+    [1.0; 3]
+}
+
+fn has_shadows() -> bool {
+    true
 }
 
 /// Most views of a scene.
@@ -92,6 +105,8 @@ impl RawView {
             fov_deg: camera.fov().to_degrees(),
             light_direction,
             light_position,
+            white: view.white,
+            shadows: view.has_shadows,
         }
     }
 
@@ -125,7 +140,10 @@ impl RawView {
         let light = light.ok_or_else(|| {
             refuse("light", "either light_direction or light_position, three numbers")
         })?;
-        Ok(View { name: self.name, camera, light })
+        if !self.white.iter().all(|v| *v > 0.0 && v.is_finite()) {
+            return Err(refuse("white", "three numbers above 0: what a white diffuser is in it"));
+        }
+        Ok(View { name: self.name, camera, light, white: self.white, has_shadows: self.shadows })
     }
 }
 
@@ -155,10 +173,11 @@ fn views(raw: Vec<RawView>) -> Result<Vec<View>, FormatError> {
 /// [`FormatError::Library`] for wrong syntax, [`FormatError::Missing`] for cameras or lights that cannot be.
 pub fn read_scene(text: &str) -> Result<Scene, FormatError> {
     let raw: RawScene = toml::from_str(text).map_err(|e| library("scene", &e.message()))?;
-    if raw.size == 0 || raw.size > MAX_SIDE {
+    let [width, height] = raw.size;
+    if ![width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
         return Err(FormatError::Missing {
-            what: format!("usable size ({})", raw.size),
-            expected: format!("1 to {MAX_SIDE} pixels"),
+            what: format!("usable size ({width} × {height})"),
+            expected: format!("1 to {MAX_SIDE} pixels along each side"),
         });
     }
     let RawScene { mesh, uv, size, truth, view } = raw;
@@ -166,7 +185,8 @@ pub fn read_scene(text: &str) -> Result<Scene, FormatError> {
 }
 
 /// Reads a list of views: entries `[[view]]` with `name`, `eye`, `target`, `up`, `fov_deg` across the picture, and
-/// `light_direction` or `light_position`, in axes of the mesh.
+/// `light_direction` or `light_position`, in axes of the mesh; perhaps `white`, linear RGB (default 1), and `shadows`
+/// (default true).
 ///
 /// # Errors
 ///
@@ -193,21 +213,32 @@ pub fn scene_to_toml(scene: &Scene) -> Result<String, FormatError> {
 }
 
 /// Channels of a view's buffers: what they hold of a surface.
-const BUFFERS: [&str; 12] = [
-    "mask", "normal.X", "normal.Y", "normal.Z", "u", "v", "wi.X", "wi.Y", "wi.Z", "wo.X", "wo.Y",
+const BUFFERS: [&str; 13] = [
+    "irradiance",
+    "mask",
+    "normal.X",
+    "normal.Y",
+    "normal.Z",
+    "u",
+    "v",
+    "wi.X",
+    "wi.Y",
+    "wi.Z",
+    "wo.X",
+    "wo.Y",
     "wo.Z",
 ];
 
 /// The buffers of a view as an EXR image of f32 channels: `mask`, `normal.X` … in axes of the mesh, `wi.X` …
-/// and `wo.X` … in the frame of the surface, `u`, `v`.
+/// and `wo.X` … in the frame of the surface, `u`, `v`, and `irradiance`, 0 in shadow.
 ///
 /// # Errors
 ///
 /// [`FormatError::Library`] if the encoder refuses.
 pub fn buffers_to_exr(buffers: &ViewBuffers) -> Result<Vec<u8>, FormatError> {
-    let values = |surface: &PixelSurface| -> [f64; 12] {
-        let PixelSurface { normal: n, wi, wo, uv } = surface;
-        [1.0, n.x, n.y, n.z, uv.x, uv.y, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]
+    let values = |surface: &PixelSurface| -> [f64; 13] {
+        let PixelSurface { normal: n, wi, wo, uv, irradiance } = surface;
+        [*irradiance, 1.0, n.x, n.y, n.z, uv.x, uv.y, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]
     };
     #[expect(clippy::cast_possible_truncation, reason = "buffers are stored as f32")]
     let channels: Vec<(&str, Vec<f32>)> = BUFFERS
@@ -221,19 +252,19 @@ pub fn buffers_to_exr(buffers: &ViewBuffers) -> Result<Vec<u8>, FormatError> {
     write_exr(buffers.width, buffers.height, &channels)
 }
 
-/// Reads the buffers of a view whose pictures have `size` pixels along each side.
+/// Reads the buffers of a view whose pictures have `size` columns and rows.
 ///
 /// # Errors
 ///
 /// [`IoError::File`]; [`IoError::Format`] for an image of another size or without these channels.
-pub fn read_buffers(path: &Path, size: usize) -> Result<ViewBuffers, IoError> {
+pub fn read_buffers(path: &Path, size: [usize; 2]) -> Result<ViewBuffers, IoError> {
     let bytes = MappedFile::open(path)?;
     let read = || {
         let [width, height] = image_size(&bytes)?;
-        if (width, height) != (size, size) {
+        if [width, height] != size {
             return Err(FormatError::Missing {
                 what: format!("buffers of the scene's size: {width} × {height} pixels"),
-                expected: format!("{size} × {size}"),
+                expected: format!("{} × {}", size[0], size[1]),
             });
         }
         let (width, height, channels) = read_exr(&bytes)?;
@@ -252,12 +283,14 @@ pub fn read_buffers(path: &Path, size: usize) -> Result<ViewBuffers, IoError> {
             let vector =
                 |plane: usize| DVec3::new(value(plane), value(plane + 1), value(plane + 2));
             let surface = PixelSurface {
-                normal: vector(1),
-                wi: vector(6).normalize_or_zero(),
-                wo: vector(9).normalize_or_zero(),
-                uv: DVec2::new(value(4), value(5)).clamp(DVec2::ZERO, DVec2::ONE),
+                normal: vector(2),
+                wi: vector(7).normalize_or_zero(),
+                wo: vector(10).normalize_or_zero(),
+                uv: DVec2::new(value(5), value(6)).clamp(DVec2::ZERO, DVec2::ONE),
+                irradiance: value(0),
             };
-            (value(0) > 0.5 && surface.uv.is_finite()).then_some(surface)
+            let is_sound = surface.uv.is_finite() && surface.irradiance.is_finite();
+            (value(1) > 0.5 && is_sound).then_some(surface)
         });
         Ok(ViewBuffers { width, height, pixels: pixels.collect() })
     };
@@ -379,7 +412,7 @@ mod tests {
         let scene = Scene {
             mesh: "triangle.ply".to_owned(),
             uv: UvSource::Sphere,
-            size: 16,
+            size: [16; 2],
             views,
             truth: None,
         };
@@ -391,7 +424,7 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("b.exr");
             std::fs::write(&path, bytes).unwrap();
-            let read = read_buffers(&path, 16).unwrap();
+            let read = read_buffers(&path, [16; 2]).unwrap();
             for ((a, b), read) in a.pixels.iter().zip(&b.pixels).zip(&read.pixels) {
                 assert_eq!((a.is_some(), b.is_some()), (read.is_some(), read.is_some()));
                 if let (Some(a), Some(b), Some(read)) = (a, b, read) {
@@ -414,6 +447,7 @@ mod tests {
             view.replace("light_direction = [0, 0, 1]", ""),
             view.replace("light_direction = [0, 0, 1]", "light_direction = [0, 0, 0]"),
             view.replace("name = \"a\"", "name = \"../a\""),
+            view.replace("fov_deg = 30", "fov_deg = 30\nwhite = [1, 0, 1]"),
             view.repeat(2),
             String::new(),
             "view = 3".to_owned(),

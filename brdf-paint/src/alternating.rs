@@ -10,7 +10,7 @@ use brdf_factor::{ChannelMap, Columns, NormalEquations};
 use faer::MatMut;
 use rayon::prelude::*;
 
-use crate::coefficient_map::{CoefficientMap, read, taps};
+use crate::coefficient_map::{CoefficientMap, nearest, read};
 use crate::extract::{Layout, Part, predicted};
 use crate::least_squares::MapProblem;
 use crate::{PaintError, PaintParams, PaintSamples, paper};
@@ -147,15 +147,8 @@ impl<'a> Turns<'a> {
     /// One product for each cluster of texels of similar colour.
     fn clustered(&self) -> Result<State, PaintError> {
         const CELLS: usize = 64;
-        let cells: Vec<usize> = self
-            .samples
-            .places
-            .iter()
-            .map(|place| {
-                let taps = taps(CELLS, self.params.wraps, *place);
-                taps.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(cell, _)| cell)
-            })
-            .collect();
+        let cell = |place| nearest(CELLS, self.params.wraps, place);
+        let cells: Vec<usize> = self.samples.places.iter().map(|place| cell(*place)).collect();
         let mut sums = vec![([0.0_f64; 3], 0.0_f64); CELLS * CELLS];
         for (cell, value) in cells.iter().zip(&self.samples.values) {
             let (sum, count) = &mut sums[*cell];
@@ -275,12 +268,13 @@ impl Channel<'_> {
 
     /// Log texels of a product by a Gauss–Newton step.
     fn step(&self, product: usize, logs: &[f64], left: &[f64]) -> Result<Vec<f64>, PaintError> {
-        let slopes = self.shares[product].iter().zip(logs).map(|(share, log)| share * log.exp());
+        let slopes = self.shares[product].iter().zip(logs);
+        let slopes = slopes.map(|(share, log)| share * self.map.slope(*log));
         let (weights, targets): (Vec<f64>, Vec<f64>) = slopes
             .zip(logs)
             .zip(left)
             .map(|((slope, log), left)| {
-                let change = if slope > 0.0 { left / slope } else { 0.0 };
+                let change = if slope == 0.0 { 0.0 } else { left / slope };
                 (slope * slope, log + change.clamp(-LONGEST, LONGEST))
             })
             .unzip();

@@ -17,12 +17,14 @@ pub struct PixelSurface {
     pub wo: DVec3,
     /// Texture coordinates.
     pub uv: DVec2,
+    /// How brightly the light shines on what faces it here, as a share of that at the centre of the mesh; 0 in shadow.
+    pub irradiance: f64,
 }
 
 impl PixelSurface {
-    /// Whether light and camera are above the surface.
+    /// Whether light and camera are above the surface, and nothing stands before the light.
     pub fn is_seen_and_lit(&self) -> bool {
-        self.wi.z > 0.0 && self.wo.z > 0.0
+        self.wi.z > 0.0 && self.wo.z > 0.0 && self.irradiance > 0.0
     }
 }
 
@@ -38,7 +40,7 @@ pub struct ViewBuffers {
 }
 
 impl ViewBuffers {
-    /// Casts a ray through the middle of each pixel. Nothing is in shadow.
+    /// Casts a ray through the middle of each pixel, and one to the light where the view has shadows.
     #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
     pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
         let pixels = (0..height)
@@ -48,11 +50,19 @@ impl ViewBuffers {
                     let place = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
                     let direction = view.camera.ray(place, width, height);
                     let surface = mesh.surface(&mesh.hit(view.camera.eye, direction, 0.0)?);
+                    let (to_light, distance, fall_off) =
+                        view.light_at(surface.position, mesh.centre());
+                    let is_shadowed = || {
+                        let out = surface.facing(-direction).face_normal;
+                        let origin = surface.position + mesh.shadow_offset() * out;
+                        mesh.is_shadowed(origin, to_light, distance)
+                    };
                     Some(PixelSurface {
                         normal: surface.normal,
-                        wi: surface.to_local(view.to_light(surface.position)),
+                        wi: surface.to_local(to_light),
                         wo: surface.to_local(-direction),
                         uv: surface.uv,
+                        irradiance: if view.has_shadows && is_shadowed() { 0.0 } else { fall_off },
                     })
                 })
             })

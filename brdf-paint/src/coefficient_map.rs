@@ -68,6 +68,12 @@ pub(crate) fn taps(size: usize, wraps: bool, place: DVec2) -> MapTaps {
     ]
 }
 
+/// The texel whose centre is nearest to a place.
+pub(crate) fn nearest(size: usize, wraps: bool, place: DVec2) -> usize {
+    let around = taps(size, wraps, place).into_iter();
+    around.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(texel, _)| texel)
+}
+
 fn fill(values: &mut [f32], known: &[bool], size: usize, wraps: bool) {
     if known.iter().all(|k| *k) || !known.iter().any(|k| *k) {
         return;

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use brdf_factor::{
-    ChannelMap, Columns, Factor, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem,
+    ChannelMap, Columns, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem,
 };
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 use crate::coefficient_map::{MapTaps, taps};
 use crate::least_squares::CHUNKS;
 use crate::{
-    CoefficientMap, Component, PaintError, PaintErrors, PaintSamples, PaintedMaterial, alternating,
-    paper,
+    CoefficientMap, Component, Contradictions, PaintError, PaintErrors, PaintSamples,
+    PaintedMaterial, alternating, paper,
 };
 
 /// What kind of material.
@@ -43,6 +43,26 @@ pub enum SolverChoice {
     Alternating,
 }
 
+/// Which logarithm products are fitted through.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PaintLogMap {
+    /// log(a + f), a a share of the mean value: the more, the less dark samples weigh (Eq. 12).
+    Offset(f64),
+    /// log(a − f), a a little above the brightest value of each channel: favours highlights (Eq. 13).
+    Highlight,
+}
+
+impl PaintLogMap {
+    /// The maps of the three channels.
+    fn of(self, values: &[[f32; 3]]) -> [ChannelMap; 3] {
+        match self {
+            Self::Offset(share) => [ChannelMap::Offset { a: share * mean(values) }; 3],
+            Self::Highlight => brightest(values).map(ChannelMap::highlight),
+        }
+    }
+}
+
 /// Options of an extraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PaintParams {
@@ -60,8 +80,8 @@ pub struct PaintParams {
     pub map_size: usize,
     /// μ ≥ 0, as of [`FactorParams::smoothing`].
     pub smoothing: f64,
-    /// a of log(a + f), as a share of the mean value: tames dark samples (Eq. 12).
-    pub offset: f64,
+    /// What products are fitted through.
+    pub log_map: PaintLogMap,
     /// Whether u = 0 and u = 1 are one place of the surface.
     pub wraps: bool,
 }
@@ -76,7 +96,7 @@ impl Default for PaintParams {
             surface_size: 32,
             map_size: 256,
             smoothing: 1e-4,
-            offset: 0.05,
+            log_map: PaintLogMap::Offset(0.05),
             wraps: false,
         }
     }
@@ -105,9 +125,11 @@ impl PaintParams {
             #[expect(clippy::cast_precision_loss, reason = "for a message")]
             return Err(PaintError::Option { option, value: self.map_size as f64, expected });
         }
-        if !(self.offset > 0.0 && self.offset.is_finite()) {
+        if let PaintLogMap::Offset(value) = self.log_map
+            && !(value > 0.0 && value.is_finite())
+        {
             let (option, expected) = ("the offset", "a share of the mean above 0, such as 0.05");
-            return Err(PaintError::Option { option, value: self.offset, expected });
+            return Err(PaintError::Option { option, value, expected });
         }
         Ok(())
     }
@@ -132,6 +154,8 @@ pub struct Extraction {
     pub material: PaintedMaterial,
     /// Over the samples it was made from.
     pub errors: PaintErrors,
+    /// Where views do not agree.
+    pub contradictions: Contradictions,
     /// Texels of the maps that no sample touches, row by row; they were filled from around them.
     pub unconstrained: Vec<bool>,
     /// Texels of factors that no sample touches; smoothing alone holds them.
@@ -163,17 +187,18 @@ pub fn extract(
             alternating::decompose(&layout, &shuffled, params, progress)?
         }
     };
-    let limit = [0, 1, 2]
-        .map(|channel| samples.values.iter().map(|v| f64::from(v[channel])).fold(0.0, f64::max));
+    let limit = brightest(&samples.values);
     let material = PaintedMaterial { components: layout.components(parts, params)?, limit };
-    let errors = samples.errors(&material);
+    let predicted = material.predict(samples);
+    let errors = samples.errors_of(&predicted);
+    let contradictions = Contradictions::of(samples, &predicted, params.wraps);
     let unconstrained = if params.is_map() {
         layout.touched(params.map_size).iter().map(|touched| !touched).collect()
     } else {
         Vec::new()
     };
     let smoothed_texels = layout.inverted.untouched_texels().iter().map(Vec::len).sum();
-    Ok(Extraction { material, errors, unconstrained, smoothed_texels })
+    Ok(Extraction { material, errors, contradictions, unconstrained, smoothed_texels })
 }
 
 /// A product and its map, as they are solved for.
@@ -192,8 +217,6 @@ pub(crate) struct Layout {
     pub(crate) maps: [ChannelMap; 3],
     /// Of each sample.
     pub(crate) taps: Vec<MapTaps>,
-    factors: Vec<Factor>,
-    surface: Option<(usize, bool)>,
     places: Vec<DVec2>,
 }
 
@@ -205,27 +228,18 @@ impl Layout {
             ..FactorParams::default()
         };
         let problem = Problem::new(&samples.as_set(), &factor_params)?;
-        let plan = params.plan();
-        let factors = plan.factors.iter().map(|(spec, size)| problem.empty_factor(spec, *size));
-        let factors = factors.collect::<Result<_, _>>()?;
-        let surface = plan.surface;
-        let inverted = Preinverted::new(&problem, &samples.places, plan, Inversion::Cholesky)?;
-        let a = params.offset * mean(&samples.values);
+        let inverted =
+            Preinverted::new(&problem, &samples.places, params.plan(), Inversion::Cholesky)?;
         let of = |place: &DVec2| taps(params.map_size, params.wraps, *place);
         let taps = samples.places.iter().map(of).collect();
-        let maps = [ChannelMap::Offset { a }; 3];
-        let places = samples.places.clone();
-        Ok(Self { problem, inverted, maps, taps, factors, surface, places })
+        let maps = params.log_map.of(&samples.values);
+        Ok(Self { problem, inverted, maps, taps, places: samples.places.clone() })
     }
 
     /// The problem of the first samples, and their columns.
     pub(crate) fn thinned(&self, count: usize) -> (Problem, Vec<Arc<Columns>>) {
         let problem = self.problem.thinned(count);
-        let mut columns: Vec<Arc<Columns>> =
-            self.factors.iter().map(|factor| Arc::new(problem.columns(factor))).collect();
-        if let Some((size, wraps)) = self.surface {
-            columns.push(Arc::new(problem.surface_columns(size, &self.places, wraps)));
-        }
+        let columns = self.inverted.columns_of(&problem, &self.places);
         (problem, columns)
     }
 
@@ -291,6 +305,11 @@ pub(crate) fn predicted(columns: &[Arc<Columns>], x: &[f64]) -> Vec<f64> {
 
 pub(crate) fn by_channel(values: &[[f32; 3]]) -> Vec<Vec<f64>> {
     (0..3).map(|channel| values.iter().map(|v| f64::from(v[channel])).collect()).collect()
+}
+
+/// The largest value of each channel.
+fn brightest(values: &[[f32; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|channel| values.iter().map(|v| f64::from(v[channel])).fold(0.0, f64::max))
 }
 
 #[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ samples")]

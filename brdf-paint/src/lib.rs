@@ -12,20 +12,23 @@
 mod alternating;
 mod buffers;
 mod coefficient_map;
+mod contradictions;
 mod error;
 mod extract;
 mod least_squares;
 mod material;
 mod paper;
+pub mod pictures;
 mod samples;
 mod truth;
 mod view;
 
 pub use buffers::{PixelSurface, ViewBuffers};
 pub use coefficient_map::CoefficientMap;
+pub use contradictions::Contradictions;
 pub use error::PaintError;
-pub use extract::{Extraction, Mode, PaintParams, SolverChoice, extract};
+pub use extract::{Extraction, Mode, PaintLogMap, PaintParams, SolverChoice, extract};
 pub use material::{Clamped, Component, PaintedMaterial};
 pub use samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
 pub use truth::BlendedTruth;
-pub use view::{LightSource, View, face_views, vertex_views};
+pub use view::{LightSource, View, face_views, spiral_views, vertex_views};

@@ -1,6 +1,7 @@
 //! Painted pixels as samples of reflectance.
 
 use std::fmt;
+use std::ops::AddAssign;
 
 use brdf_model::{Channels, Rgb, SampleSet};
 use brdf_param::DirectionPair;
@@ -21,6 +22,18 @@ pub struct PaintedImage {
 }
 
 impl PaintedImage {
+    /// The same divided by what a white diffuser is in it.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
+    pub fn balanced(mut self, white: [f64; 3]) -> Self {
+        for pixel in &mut self.pixels {
+            for (value, white) in pixel.iter_mut().zip(white) {
+                *value = (f64::from(*value) / white) as f32;
+            }
+        }
+        self
+    }
+
     /// Whether a pixel counts as painted.
     pub fn is_painted(&self, pixel: usize) -> bool {
         self.pixels[pixel][3] >= COVERED
@@ -36,10 +49,23 @@ pub struct Skipped {
     pub transparent: usize,
     /// Lit too flat, or from behind: cosine below the least.
     pub grazing: usize,
+    /// In the object's own shadow.
+    pub shadowed: usize,
     /// Not a number, or infinite.
     pub not_finite: usize,
     /// Negative colours, set to 0; they do give samples.
     pub clamped: usize,
+}
+
+impl AddAssign for Skipped {
+    fn add_assign(&mut self, other: Self) {
+        self.outside += other.outside;
+        self.transparent += other.transparent;
+        self.grazing += other.grazing;
+        self.shadowed += other.shadowed;
+        self.not_finite += other.not_finite;
+        self.clamped += other.clamped;
+    }
 }
 
 impl fmt::Display for Skipped {
@@ -48,6 +74,7 @@ impl fmt::Display for Skipped {
             (self.outside, "beside the object"),
             (self.transparent, "transparent"),
             (self.grazing, "lit too flat or from behind"),
+            (self.shadowed, "in shadow"),
             (self.not_finite, "not finite"),
             (self.clamped, "negative, set to 0"),
         ];
@@ -94,8 +121,8 @@ impl PaintSamples {
         Self::default()
     }
 
-    /// Adds the painted pixels of a view, `name`d for messages. A picture shows f π cosθi; pixels whose
-    /// cosine is below `least_cosine` are left out.
+    /// Adds the painted pixels of a view, `name`d for messages. A picture shows f π cosθi times the irradiance of each
+    /// pixel; pixels whose cosine is below `least_cosine` are left out.
     ///
     /// # Errors
     ///
@@ -123,13 +150,16 @@ impl PaintSamples {
             #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
             let value = {
                 let [r, g, b, _] = *painted;
-                [r, g, b].map(|v| v.max(0.0) / surface.wi.z as f32)
+                let white = (surface.wi.z * surface.irradiance) as f32;
+                [r, g, b].map(|v| v.max(0.0) / white)
             };
             let is_finite = painted.iter().chain(&value).all(|v| v.is_finite());
             let reason = if !is_covered {
                 &mut self.skipped.transparent
-            } else if surface.wi.z < least_cosine || !surface.is_seen_and_lit() {
+            } else if surface.wi.z < least_cosine || surface.wo.z <= 0.0 {
                 &mut self.skipped.grazing
+            } else if surface.irradiance <= 0.0 {
+                &mut self.skipped.shadowed
             } else if !is_finite {
                 &mut self.skipped.not_finite
             } else {
@@ -143,6 +173,15 @@ impl PaintSamples {
             *reason += 1;
         }
         Ok(())
+    }
+
+    /// Adds other samples behind these.
+    pub fn append(&mut self, mut other: Self) {
+        self.pairs.append(&mut other.pairs);
+        self.places.append(&mut other.places);
+        self.values.append(&mut other.values);
+        self.origins.append(&mut other.origins);
+        self.skipped += other.skipped;
     }
 
     /// How many there are.

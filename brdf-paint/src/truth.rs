@@ -54,7 +54,7 @@ impl BlendedTruth<'_> {
         sum * PI
     }
 
-    /// What a camera sees of it: f π cosθi in linear RGB.
+    /// What a camera sees of it: f π cosθi in linear RGB, times the irradiance.
     #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
     pub fn paint(&self, buffers: &ViewBuffers) -> PaintedImage {
         let pixels = buffers.pixels.iter().map(|surface| match surface {
@@ -62,7 +62,8 @@ impl BlendedTruth<'_> {
             Some(surface) if !surface.is_seen_and_lit() => [0.0, 0.0, 0.0, 1.0],
             Some(surface) => {
                 let pair = DirectionPair::new(surface.wi, surface.wo);
-                let [r, g, b] = (self.value(&pair, surface.uv) * surface.wi.z).channels();
+                let lit = surface.wi.z * surface.irradiance;
+                let [r, g, b] = (self.value(&pair, surface.uv) * lit).channels();
                 [r as f32, g as f32, b as f32, 1.0]
             }
         });

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 
 use crate::PaintError;
 
-/// A camera and its light.
+/// A camera, its light, and what its picture shows of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// Names its files.
@@ -14,6 +14,11 @@ pub struct View {
     pub camera: Camera,
     /// What lights it.
     pub light: LightSource,
+    /// Linear RGB of a white diffuser at the centre of the mesh that faces the light: 1 of a painting,
+    /// strength and colour of the light and exposure of a photograph.
+    pub white: [f64; 3],
+    /// Whether the object's shadow on itself is in the picture; what lies in it does not count.
+    pub has_shadows: bool,
 }
 
 /// A light without size.
@@ -21,7 +26,7 @@ pub struct View {
 pub enum LightSource {
     /// Infinitely far, in a unit direction.
     Direction(DVec3),
-    /// At a place, equally bright everywhere.
+    /// At a place; falls off with the square of the distance.
     Position(DVec3),
 }
 
@@ -29,11 +34,12 @@ pub enum LightSource {
 const LIGHT_TURN: f64 = 30.0;
 
 impl View {
-    /// A view of all of a mesh from a unit direction, lit from there but turned about the vertical.
+    /// A view of all of a mesh from a unit direction, lit without shadows from there but turned about the vertical.
     pub fn of(mesh: &Mesh, name: String, from: DVec3, turn_deg: f64) -> Self {
         let light = DMat3::from_rotation_y(turn_deg.to_radians()) * from;
         let camera = Camera::around(mesh.centre(), mesh.radius(), from);
-        Self { name, camera, light: LightSource::Direction(light) }
+        let light = LightSource::Direction(light);
+        Self { name, camera, light, white: [1.0; 3], has_shadows: false }
     }
 
     /// Whether the view's light can light a mesh.
@@ -50,11 +56,17 @@ impl View {
         }
     }
 
-    /// The unit direction from a place to the light.
-    pub fn to_light(&self, place: DVec3) -> DVec3 {
+    /// The unit direction from a place to the light, its distance, and how brightly it lights what faces it there,
+    /// where it would be 1 at `centre`.
+    pub(crate) fn light_at(&self, place: DVec3, centre: DVec3) -> (DVec3, f64, f64) {
         match self.light {
-            LightSource::Direction(direction) => direction,
-            LightSource::Position(light) => (light - place).normalize_or(DVec3::Y),
+            LightSource::Direction(direction) => (direction, f64::INFINITY, 1.0),
+            LightSource::Position(light) => {
+                let to_light = light - place;
+                let distance = to_light.length();
+                let fall_off = (light.distance(centre) / distance).powi(2);
+                (to_light / distance, distance, fall_off)
+            }
         }
     }
 }
@@ -79,8 +91,26 @@ fn icosahedron() -> [DVec3; 12] {
 /// The twelve views of a mesh from the corners of an icosahedron, each lit by a light 30° about the
 /// vertical from its camera.
 pub fn vertex_views(mesh: &Mesh) -> Vec<View> {
-    let named = icosahedron().into_iter().enumerate();
-    named.map(|(at, from)| View::of(mesh, format!("view{at:02}"), from, LIGHT_TURN)).collect()
+    named(mesh, icosahedron())
+}
+
+/// Any number of views of a mesh from directions that lie evenly on a spiral, lit as [`vertex_views`] are.
+pub fn spiral_views(mesh: &Mesh, count: usize) -> Vec<View> {
+    // Each step turns by the golden angle and goes down by the same height.
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    #[expect(clippy::cast_precision_loss, reason = "few views")]
+    let direction = |at: usize| {
+        let height = 1.0 - (2 * at + 1) as f64 / count as f64;
+        let (sin, cos) = (golden * at as f64).sin_cos();
+        let radius = (1.0 - height * height).sqrt();
+        DVec3::new(radius * sin, height, radius * cos)
+    };
+    named(mesh, (0..count).map(direction))
+}
+
+fn named(mesh: &Mesh, from: impl IntoIterator<Item = DVec3>) -> Vec<View> {
+    let numbered = from.into_iter().enumerate();
+    numbered.map(|(at, from)| View::of(mesh, format!("view{at:02}"), from, LIGHT_TURN)).collect()
 }
 
 /// Twelve of the views from the centres of the icosahedron's faces, under three lights each: what a
@@ -136,6 +166,27 @@ mod tests {
         }
         assert_eq!(face_views(&triangle()).len(), 36);
         assert_eq!(vertex_views(&triangle()).len(), 12);
+    }
+
+    #[test]
+    fn views_on_a_spiral_keep_apart() {
+        let (mesh, count) = (triangle(), 30);
+        let views = spiral_views(&mesh, count);
+        let forward: Vec<DVec3> = views.iter().map(|view| view.camera.forward()).collect();
+        assert_eq!(forward.len(), count);
+        let mean = forward.iter().sum::<DVec3>() / count as f64;
+        assert!(mean.length() < 0.05, "from all sides: {mean}");
+        for (at, a) in forward.iter().enumerate() {
+            assert!(forward[..at].iter().all(|b| a.angle_between(*b) > 0.35), "view {at}");
+        }
+    }
+
+    #[test]
+    fn a_light_at_a_place_falls_off() {
+        let mut view = vertex_views(&triangle()).remove(0);
+        view.light = LightSource::Position(4.0 * DVec3::Z);
+        let (to_light, distance, fall_off) = view.light_at(2.0 * DVec3::Z, DVec3::ZERO);
+        assert_eq!((to_light, distance, fall_off), (DVec3::Z, 2.0, 4.0));
     }
 
     #[test]

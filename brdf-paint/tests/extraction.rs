@@ -4,8 +4,9 @@
 
 use brdf_model::{Analytic, Brdf, Preset, Rgb};
 use brdf_paint::{
-    BlendedTruth, Extraction, Mode, PaintError, PaintParams, PaintSamples, PaintedImage,
-    SolverChoice, View, ViewBuffers, extract, face_views, vertex_views,
+    BlendedTruth, Contradictions, Extraction, LightSource, Mode, PaintError, PaintLogMap,
+    PaintParams, PaintSamples, PaintedImage, SolverChoice, View, ViewBuffers, extract, face_views,
+    vertex_views,
 };
 use brdf_param::DirectionPair;
 use brdf_render::{Mesh, Soup};
@@ -88,7 +89,8 @@ fn a_single_product_is_found_by_every_mode() {
     let training = samples(&truth, &painted);
     let mean = training.values.iter().map(|v| f64::from(v[1])).sum::<f64>() / training.len() as f64;
     for mode in [Mode::Brdf, Mode::FourFactor] {
-        let params = PaintParams { offset: 1e-3, ..params(mode, SolverChoice::Paper) };
+        let params =
+            PaintParams { log_map: PaintLogMap::Offset(1e-3), ..params(mode, SolverChoice::Paper) };
         let made = made(&training, &params);
         assert!(made.errors.rms < 0.01 * mean, "{mode:?}: {:?} of {mean}", made.errors);
         assert_eq!(made.material.components.len(), 1);
@@ -141,6 +143,91 @@ fn what_gives_no_sample_is_counted() {
     assert!(matches!(refused, Err(PaintError::Size { .. })), "{refused:?}");
     let nothing = extract(&PaintSamples::new(), &PaintParams::default(), &|_| ());
     assert!(matches!(nothing, Err(PaintError::NothingPainted { .. })));
+}
+
+#[test]
+fn views_that_contradict_each_other_are_found_where_they_do() {
+    let mesh = torus();
+    let views = buffers(&mesh, &vertex_views(&mesh));
+    let painted = |colour: &dyn Fn(usize, f64) -> [f32; 3]| {
+        let mut samples = PaintSamples::new();
+        for (view, buffers) in views.iter().enumerate() {
+            let pixels = buffers.pixels.iter().map(|surface| {
+                let Some(surface) = surface else { return [0.0; 4] };
+                let [r, g, b] = colour(view, surface.uv.x);
+                [r, g, b, 1.0]
+            });
+            let image = PaintedImage { width: SIZE, height: SIZE, pixels: pixels.collect() };
+            samples.add(view, "view", buffers, &image, 0.3).unwrap();
+        }
+        made(&samples, &params(Mode::MaterialMap, SolverChoice::Alternating)).contradictions
+    };
+    // Half of the surface changes from view to view.
+    let (red, blue) = ([0.8, 0.1, 0.1], [0.1, 0.1, 0.8]);
+    let found = painted(&|view, u| if view % 2 == 0 && u < 0.5 { red } else { blue });
+    let in_half = |left: bool| {
+        let cells = found.apart.iter().enumerate();
+        let chosen = cells.filter(|(at, _)| (at % found.size < found.size / 2) == left);
+        chosen.filter(|(_, apart)| f64::from(**apart) > Contradictions::THRESHOLD).count()
+    };
+    let (left, right) = (in_half(true), in_half(false));
+    assert!(left > 50 && right * 10 < left, "{left} and {right} cells");
+}
+
+#[test]
+fn photographs_with_shadows_and_a_near_light_give_the_same_reflectance() {
+    let (mesh, brdfs) = (torus(), presets());
+    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.5 };
+    let mut view = vertex_views(&mesh).remove(3);
+    let LightSource::Direction(towards) = view.light else { unreachable!("built-in views") };
+    view.light = LightSource::Position(mesh.centre() + 2.0 * mesh.radius() * towards);
+    view.has_shadows = true;
+    let white = [1.5_f32, 1.0, 0.5];
+    view.white = white.map(f64::from);
+    let buffers = ViewBuffers::of(&mesh, &view, 90, 60);
+    let mut photograph = truth.paint(&buffers);
+    for pixel in &mut photograph.pixels {
+        pixel.iter_mut().zip(white).for_each(|(v, white)| *v *= white);
+    }
+    let mut samples = PaintSamples::new();
+    samples.add(0, "photograph", &buffers, &photograph.balanced(view.white), 0.1).unwrap();
+    assert!(samples.skipped.shadowed > 20, "the ring shades itself: {}", samples.skipped);
+    let irradiance: Vec<f64> = buffers.pixels.iter().flatten().map(|s| s.irradiance).collect();
+    let nearest = irradiance.iter().copied().fold(0.0, f64::max);
+    assert!(nearest > 1.5 && nearest < 4.0, "places near the light get more: {nearest}");
+    for ((pair, place), value) in samples.pairs.iter().zip(&samples.places).zip(&samples.values) {
+        let wanted = truth.value(pair, *place).channels();
+        let close = value.iter().zip(wanted).all(|(v, w)| (f64::from(*v) - w).abs() < 1e-5);
+        assert!(close, "{value:?} for {wanted:?}");
+    }
+}
+
+#[test]
+fn the_highlight_map_favours_highlights() {
+    let (mesh, brdfs) = (torus(), presets());
+    let painted = buffers(&mesh, &vertex_views(&mesh)[..4]);
+    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.3 };
+    let training = samples(&truth, &painted);
+    let errors = |log_map| {
+        let params = PaintParams { log_map, ..params(Mode::Brdf, SolverChoice::Paper) };
+        let predicted = made(&training, &params).material.predict(&training);
+        let bright = |at: &usize| training.values[*at][1] > 0.6;
+        let rms = |places: &mut dyn Iterator<Item = usize>| {
+            let squares = places.map(|at| (predicted[at][1] - training.values[at][1]).powi(2));
+            let squares: Vec<f32> = squares.collect();
+            (squares.iter().sum::<f32>() / squares.len() as f32).sqrt()
+        };
+        let all = 0..training.len();
+        (rms(&mut all.clone().filter(bright)), rms(&mut all.filter(|at| !bright(at))))
+    };
+    let (offset, highlight) = (errors(PaintLogMap::Offset(0.05)), errors(PaintLogMap::Highlight));
+    assert!(highlight.0 < offset.0, "bright pixels: {highlight:?} and {offset:?}");
+    let params = PaintParams {
+        log_map: PaintLogMap::Highlight,
+        ..params(Mode::MaterialMap, SolverChoice::Alternating)
+    };
+    let turns = made(&training, &params);
+    assert!(turns.errors.rms < 0.05, "slopes of both signs: {:?}", turns.errors);
 }
 
 #[test]

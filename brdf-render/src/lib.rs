@@ -43,6 +43,6 @@ pub use separable_view::{Side, term_view};
 pub use shape::Shape;
 pub use spatially_varying::{SpatiallyVarying, TexturePoint, Uniform};
 pub use sphere::{SphereView, render_sphere};
-pub use strip::{Panel, difference, strip};
+pub use strip::{DIFFERENCE_GAIN, Panel, difference, strip};
 pub use texture_view::{MASKED_OUT, texture_view};
 pub use textured::{TexturedView, render_textured};

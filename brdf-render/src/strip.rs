@@ -14,6 +14,9 @@ pub struct Panel {
     pub caption: String,
 }
 
+/// How much differences are brightened in pictures for people.
+pub const DIFFERENCE_GAIN: u8 = 4;
+
 const PAPER: [u8; 3] = [24, 24, 27];
 const INK: [u8; 3] = [228, 228, 231];
 const GAP: usize = 8;

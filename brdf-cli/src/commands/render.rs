@@ -10,7 +10,7 @@ use brdf_model::Brdf;
 use brdf_render::{MeshView, SphereView, Uniform, render_mesh, render_sphere};
 
 use crate::args::{ForceArgs, LightArgs, ReadArgs, positive, usage};
-use crate::meshes::{MeshArgs, open_mesh};
+use crate::meshes::MeshArgs;
 use crate::pictures::{light, line_up, png};
 use crate::progress::Progress;
 use crate::subject::Subject;
@@ -79,10 +79,7 @@ impl Render {
         let materials: Vec<(String, &dyn Brdf)> =
             subjects.iter().map(|s| (s.short_name(), s.brdf())).collect();
         let light = light(&self.light)?;
-        let mesh = match &self.mesh.mesh {
-            Some(path) => Some(open_mesh(path, self.mesh.uv.map(Into::into))?),
-            None => None,
-        };
+        let mesh = self.mesh.open()?;
         let size = self.size.map(|size| size as usize);
         let progress = Progress::new(1);
         progress.step("rendering");

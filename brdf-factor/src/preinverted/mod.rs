@@ -205,6 +205,16 @@ impl Preinverted {
         &self.columns
     }
 
+    /// Columns of a part of the samples, or of others, in the same factors; `places` as of
+    /// [`Preinverted::new`], for all samples that the problem was made of.
+    ///
+    /// # Panics
+    ///
+    /// If a place is missing that the plan has a factor for.
+    pub fn columns_of(&self, problem: &Problem, places: &[DVec2]) -> Vec<Arc<Columns>> {
+        columns_in(problem, places, &self.factors, self.plan.surface)
+    }
+
     /// For each sample, as columns count them, its place in the order in which they were handed in.
     pub fn order(&self) -> &[usize] {
         &self.order
@@ -437,9 +447,7 @@ fn layout(
         .iter()
         .map(|(spec, size)| problem.empty_factor(spec, *size))
         .collect::<Result<_, _>>()?;
-    let mut columns: Vec<Arc<Columns>> =
-        factors.iter().map(|factor| Arc::new(problem.columns(factor))).collect();
-    if let Some((size, wraps)) = plan.surface {
+    if let Some((size, _)) = plan.surface {
         let (min, max) = (*crate::Grid::SIZES.start(), *crate::Grid::SIZES.end());
         if !crate::Grid::SIZES.contains(&size) {
             return Err(FactorError::TextureSize { size, min, max });
@@ -450,9 +458,21 @@ fn layout(
                 expected: "one place on the surface for each sample",
             });
         }
-        columns.push(Arc::new(problem.surface_columns(size, places, wraps)));
     }
+    let columns = columns_in(problem, places, &factors, plan.surface);
     Ok((factors, columns))
+}
+
+/// Where samples read factors, that of the surface last.
+fn columns_in(
+    problem: &Problem,
+    places: &[DVec2],
+    factors: &[Factor],
+    surface: Option<(usize, bool)>,
+) -> Vec<Arc<Columns>> {
+    let angular = factors.iter().map(|factor| problem.columns(factor));
+    let surface = surface.map(|(size, wraps)| problem.surface_columns(size, places, wraps));
+    angular.chain(surface).map(Arc::new).collect()
 }
 
 /// Makes the mean of each channel 0 and returns what it was.

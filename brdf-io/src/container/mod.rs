@@ -346,17 +346,9 @@ fn read_factored(record: &str, tensors: &SafeTensors<'_>) -> Result<ModelFile, F
     let record: Record = serde_json::from_str(record).map_err(|e| library("model record", &e))?;
     let channels = record.maps.len();
     let model = |part: Option<usize>, descriptions: Vec<FactorDescription>| {
-        let factors: Result<Vec<Factor>, FormatError> = descriptions
-            .into_iter()
-            .enumerate()
-            .map(|(index, description)| {
-                description.check()?;
-                let shape = tensor_shape(&description, channels);
-                let data = tensor(tensors, &tensor_name(part, index), Dtype::F32, &shape)?;
-                Ok(Factor::new(description, Some(texels(data, channels)))?)
-            })
-            .collect();
-        Ok::<_, FormatError>(FactoredBrdf::new(factors?, record.maps.clone(), record.theta_max)?)
+        let name = |index: usize| tensor_name(part, index);
+        let factors = read_factors(tensors, descriptions, channels, name)?;
+        Ok::<_, FormatError>(FactoredBrdf::new(factors, record.maps.clone(), record.theta_max)?)
     };
     let smaller = record.smaller.into_iter().map(|part| model(Some(part.len()), part));
     Ok(ModelFile {
@@ -364,6 +356,22 @@ fn read_factored(record: &str, tensors: &SafeTensors<'_>) -> Result<ModelFile, F
         model: model(None, record.factors)?,
         fit: record.fit,
     })
+}
+
+/// Factors with their texels.
+fn read_factors(
+    tensors: &SafeTensors<'_>,
+    descriptions: Vec<FactorDescription>,
+    channels: usize,
+    name: impl Fn(usize) -> String,
+) -> Result<Vec<Factor>, FormatError> {
+    let described = descriptions.into_iter().enumerate().map(|(index, description)| {
+        description.check()?;
+        let shape = tensor_shape(&description, channels);
+        let data = tensor(tensors, &name(index), Dtype::F32, &shape)?;
+        Ok(Factor::new(description, Some(texels(data, channels)))?)
+    });
+    described.collect()
 }
 
 fn read_cells(tensors: &SafeTensors<'_>, lookup: MerlLookup) -> Result<MerlTable, FormatError> {

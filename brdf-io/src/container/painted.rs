@@ -1,15 +1,15 @@
 //! Painted materials.
 
-use brdf_factor::{
-    ChannelMap, Factor, FactorDescription, FactoredBrdf, SurfaceProduct, SurfaceTexture,
-};
+use brdf_factor::{ChannelMap, FactorDescription, FactoredBrdf, SurfaceProduct, SurfaceTexture};
 use brdf_paint::{CoefficientMap, Component, PaintParams, PaintedMaterial};
 use brdf_render::UvSource;
 use safetensors::SafeTensors;
 use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
-use super::{Head, Kind, VERSION, library, read_head, serialize, tensor, tensor_shape, texels};
+use super::{
+    Head, Kind, VERSION, library, read_factors, read_head, serialize, tensor, tensor_shape, texels,
+};
 use crate::FormatError;
 use crate::bytes::f32_values;
 
@@ -112,13 +112,8 @@ pub fn parse_painted(bytes: &[u8]) -> Result<PaintedFile, FormatError> {
     let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
     let components = record.products.into_iter().enumerate().map(|(index, product)| {
         let channels = product.maps.len();
-        let factors = product.factors.into_iter().enumerate().map(|(at, description)| {
-            description.check()?;
-            let shape = tensor_shape(&description, channels);
-            let data = tensor(&tensors, &factor_name(index, at), Dtype::F32, &shape)?;
-            Ok(Factor::new(description, Some(texels(data, channels)))?)
-        });
-        let factors = factors.collect::<Result<Vec<_>, FormatError>>()?;
+        let name = |at: usize| factor_name(index, at);
+        let factors = read_factors(&tensors, product.factors, channels, name)?;
         let angular = FactoredBrdf::new(factors, product.maps, product.theta_max)?;
         let surface = match product.surface {
             None => None,

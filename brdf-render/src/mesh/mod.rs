@@ -121,7 +121,7 @@ impl SurfacePoint {
 
     /// The same seen from the other side, if that is where a direction points.
     #[must_use]
-    pub(crate) fn facing(self, direction: DVec3) -> Self {
+    pub fn facing(self, direction: DVec3) -> Self {
         if self.face_normal.dot(direction) >= 0.0 {
             return self;
         }

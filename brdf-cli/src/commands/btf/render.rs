@@ -7,22 +7,28 @@ use std::process::ExitCode;
 
 use brdf_io::write_atomically;
 use brdf_model::Rgb;
-use brdf_render::{Shape, SpatiallyVarying, TexturePoint, TexturedView, ToneMap, render_textured};
+use brdf_render::{
+    MeshView, Shape, SpatiallyVarying, TexturePoint, TexturedView, ToneMap, render_mesh,
+    render_textured,
+};
 use btf_vq::{BtfReader, Taps};
 use clap::ValueEnum;
 use glam::DVec3;
 
 use super::loading::{ModelArgs, texel_at};
 use crate::args::{ForceArgs, LightArgs, positive, usage};
+use crate::meshes::MeshArgs;
 use crate::pictures::{light, png};
 use crate::progress::Progress;
 
-/// Render a compressed BTF on a shape
+/// Render a compressed BTF on a shape or a mesh
 ///
 /// The tile repeats; coarser levels, where the file has them, are taken where a pixel sees more than
 /// a texel.
 ///
 /// Example: brdf btf render wool.btfvq --shape cylinder --env grace.hdr -o cloth.png
+///
+/// Example: brdf btf render wool.btfvq --mesh shape:torus --tiles 12 -o ring.png
 #[derive(clap::Args)]
 pub(in crate::commands) struct Render {
     #[command(flatten)]
@@ -33,8 +39,11 @@ pub(in crate::commands) struct Render {
     output: PathBuf,
 
     /// What the material lies on
-    #[arg(long, value_enum, default_value_t = ShapeArg::Sphere)]
+    #[arg(long, value_enum, default_value_t = ShapeArg::Sphere, conflicts_with = "mesh")]
     shape: ShapeArg,
+
+    #[command(flatten)]
+    mesh: MeshArgs,
 
     #[command(flatten)]
     light: LightArgs,
@@ -47,12 +56,12 @@ pub(in crate::commands) struct Render {
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
 
-    /// Tiles across the shape
+    /// Tiles across the shape, or along u and v of a mesh
     #[arg(long, default_value_t = 4.0, value_parser = positive)]
     tiles: f64,
 
     /// Tilt of the shape towards the camera, degrees [default: 60 for a plane, 15 for a cylinder]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, conflicts_with = "mesh")]
     tilt_deg: Option<f64>,
 
     /// Factor from linear values to what is shown as white
@@ -81,24 +90,29 @@ impl Render {
                 self.output.display()
             )));
         }
+        if self.mesh.mesh.is_none() && self.mesh.view.is_given() {
+            return Err(usage("--view-deg and --ground: shapes have neither; give a --mesh"));
+        }
         let model = self.model.open()?;
         let material =
             Textured { reader: model.reader()?, cosine_included: model.cosine_included() };
         let light = light(&self.light)?;
-        let view = TexturedView {
-            size: self.size as usize,
-            samples: self.samples,
-            tiles: self.tiles,
-            tilt: self.tilt_deg.map(f64::to_radians),
-        };
-        let shape = match self.shape {
-            ShapeArg::Plane => Shape::Plane,
-            ShapeArg::Sphere => Shape::Sphere,
-            ShapeArg::Cylinder => Shape::Cylinder,
-        };
+        let mesh = self.mesh.open()?;
+        let (size, samples, tiles) = (self.size as usize, self.samples, self.tiles);
         let progress = Progress::new(1);
         progress.step("rendering");
-        let film = render_textured(&material, shape, &light, &view);
+        let film = if let Some(mesh) = &mesh {
+            let view = MeshView { size, samples, tiles, has_ground: self.mesh.view.ground };
+            render_mesh(mesh, &material, &light, &self.mesh.view.camera(mesh), &view)
+        } else {
+            let tilt = self.tilt_deg.map(f64::to_radians);
+            let shape = match self.shape {
+                ShapeArg::Plane => Shape::Plane,
+                ShapeArg::Sphere => Shape::Sphere,
+                ShapeArg::Cylinder => Shape::Cylinder,
+            };
+            render_textured(&material, shape, &light, &TexturedView { size, samples, tiles, tilt })
+        };
         drop(progress);
         let tone =
             self.exposure.map_or_else(|| ToneMap::exposed_for(&film), |e| ToneMap { exposure: e });

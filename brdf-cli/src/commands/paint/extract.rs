@@ -10,18 +10,18 @@ use brdf_io::{
     OutputFolder, PaintRecord, PaintedFile, ReadOptions, Scene, painted_to_bytes, read_buffers,
     read_painting, read_scene, write_exr,
 };
+use brdf_paint::pictures::{contradictions_view, coverage_view, map_view, view_strip};
 use brdf_paint::{
-    Extraction, Mode, PaintErrors, PaintParams, PaintSamples, PaintedImage, SolverChoice,
-    ViewBuffers, extract, face_views,
+    Extraction, Mode, PaintErrors, PaintLogMap, PaintParams, PaintSamples, PaintedImage,
+    SolverChoice, ViewBuffers, extract, face_views,
 };
 use brdf_render::{DirectionalLight, Light, SphereView, ToneMap, UvSource, render_sphere};
 use clap::ValueEnum;
 use maud::html;
 use serde_json::{Value, json};
 
-use super::report::{coverage_view, map_view, view_strip};
-use super::setup::blended;
-use crate::args::positive;
+use super::setup::{JUDGED_SIZE, blended};
+use crate::args::{positive, usage};
 use crate::meshes::open_mesh;
 use crate::numbers::{bytes as shown_bytes, significant};
 use crate::pictures::png;
@@ -32,7 +32,8 @@ use crate::subject::Subject;
 /// Make a material of a painted scene
 ///
 /// Writes material.safetensors, each map as map-N.png and .exr, coverage.png (violet texels were filled from
-/// around them), view-N.png (painted, reconstructed, difference ×4), report.html and report.json.
+/// around them), contradictions.png (where views show what cannot be the same material, in red), view-N.png
+/// (painted, reconstructed, difference ×4), report.html and report.json.
 ///
 /// Paintings are sRGB PNG or JPEG, 8 or 16 bits, or linear EXR, in painted/; transparent pixels do not count.
 /// They show reflectance times π times the cosine to the light, and views without a painting are passed over.
@@ -75,13 +76,21 @@ pub(in crate::commands) struct Extract {
     #[arg(long, default_value_t = 1e-4)]
     smoothing: f64,
 
-    /// Log map: a of log(a + f), as a share of the mean; more tames dark colours
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = positive)]
-    log_map: f64,
+    /// What products are fitted through
+    #[arg(long, value_enum, default_value_t = LogMapArg::Offset)]
+    log_map: LogMapArg,
+
+    /// a of log(a + f), as a share of the mean; more tames dark colours [default: 0.05]
+    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    offset: Option<f64>,
 
     /// Leave out pixels whose cosine to the light is below this
     #[arg(long, default_value_t = 0.1, value_parser = positive)]
     least_cosine: f64,
+
+    /// Most pixels to learn from, evenly from all views
+    #[arg(long, value_name = "COUNT", default_value_t = 4_000_000, value_parser = clap::value_parser!(u64).range(100..=100_000_000))]
+    pixels: u64,
 
     /// Views to judge by instead of learning from them
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -116,11 +125,39 @@ enum SolverArg {
     Alternating,
 }
 
-/// A view with its painting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LogMapArg {
+    /// log(a + f): dark colours as they are
+    Offset,
+    /// log(a − f), a above the brightest: highlights
+    Highlight,
+}
+
+/// A view that has a painting.
 struct Painted {
     name: String,
-    buffers: ViewBuffers,
-    image: PaintedImage,
+    white: [f64; 3],
+    is_photograph: bool,
+    buffers: PathBuf,
+    picture: PathBuf,
+}
+
+impl Painted {
+    fn read(&self, scene: &Scene) -> anyhow::Result<(ViewBuffers, PaintedImage)> {
+        let buffers = read_buffers(&self.buffers, scene.size)?;
+        Ok((buffers, read_painting(&self.picture)?.balanced(self.white)))
+    }
+
+    /// Pixels that are as bright as a file of whole numbers can hold: in a photograph, they may have been brighter.
+    fn saturated(&self, image: &PaintedImage) -> usize {
+        if self.picture.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+            return 0;
+        }
+        let is_full = |pixel: &&[f32; 4]| {
+            pixel[..3].iter().zip(self.white).any(|(v, white)| f64::from(*v) * white >= 1.0 - 1e-6)
+        };
+        image.pixels.iter().filter(is_full).count()
+    }
 }
 
 impl Extract {
@@ -136,15 +173,35 @@ impl Extract {
             let names: Vec<&str> = scene.views.iter().map(|view| view.name.as_str()).collect();
             bail!("--hold-out {name}: no such view; the scene has {}", names.join(", "));
         }
+        if self.offset.is_some() && self.log_map != LogMapArg::Offset {
+            return Err(usage("--offset is of --log-map offset"));
+        }
         let mut folder = OutputFolder::new(&self.output, self.force)?;
         let progress = Progress::new(1);
-        progress.step("reading");
-        let (painted, mut notes) = self.read_views(&scene)?;
-        let mut training = PaintSamples::new();
-        let mut held_out = PaintSamples::new();
-        for (view, Painted { name, buffers, image }) in painted.iter().enumerate() {
-            let into = if self.hold_out.contains(name) { &mut held_out } else { &mut training };
-            into.add(view, name, buffers, image, self.least_cosine)?;
+        let (painted, mut notes) = self.find_views(&scene)?;
+        let (mut training, mut held_out) = (PaintSamples::new(), PaintSamples::new());
+        #[expect(clippy::cast_possible_truncation, reason = "at most 1e8")]
+        let most = self.pixels as usize / painted.len();
+        let mut passed_over = 0;
+        for (view, of_view) in painted.iter().enumerate() {
+            progress.step(format!("reading {}", of_view.name));
+            let (buffers, image) = of_view.read(&scene)?;
+            let mut samples = PaintSamples::new();
+            samples.add(view, &of_view.name, &buffers, &image, self.least_cosine)?;
+            let saturated = of_view.saturated(&image);
+            if of_view.is_photograph && saturated > 0 {
+                notes.push(format!(
+                    "{}: {saturated} pixels are as bright as their file can hold, and may have been brighter",
+                    of_view.picture.display()
+                ));
+            }
+            passed_over += samples.len().saturating_sub(most);
+            let is_held_out = self.hold_out.contains(&of_view.name);
+            let into = if is_held_out { &mut held_out } else { &mut training };
+            into.append(samples.thinned(most));
+        }
+        if passed_over > 0 {
+            notes.push(format!("{passed_over} pixels are more than --pixels and were not used"));
         }
         for (what, samples) in [("skipped", &training), ("skipped of held-out views", &held_out)] {
             if samples.skipped != brdf_paint::Skipped::default() {
@@ -177,11 +234,18 @@ impl Extract {
                 made.unconstrained.len()
             ));
         }
+        let contradictions = made.contradictions.count();
+        if contradictions > 0 {
+            notes.push(format!(
+                "views contradict each other in {contradictions} of {} cells of the surface; see contradictions.png",
+                made.contradictions.apart.len()
+            ));
+        }
         let record = PaintRecord { settings: params, uv: scene.uv };
         let file = PaintedFile { material: made.material.clone(), record };
         let bytes = painted_to_bytes(&file)?;
         folder.write("material.safetensors", &bytes)?;
-        let strips = self.write_pictures(&mut folder, &made, &painted)?;
+        let strips = self.write_pictures(&mut folder, &scene, &made, &painted)?;
         // `brdf`, by which the folder is known as ours, comes first of all keys.
         let report = json!({
             "brdf": env!("CARGO_PKG_VERSION"), "scene": self.scene, "output": self.output,
@@ -189,6 +253,7 @@ impl Extract {
             "max": { "train": made.errors.max, "held_out": held_out_errors.map(|e| e.max) },
             "products": made.material.components.len(), "samples": training.len(),
             "unconstrained_texels": unconstrained, "smoothed_texels": made.smoothed_texels,
+            "contradicted_cells": contradictions, "passed_over": passed_over,
             "skipped": training.skipped, "clamped": clamped, "bytes": bytes.len(),
             "seconds": start.elapsed().as_secs_f64(), "settings": params, "notes": notes,
         });
@@ -232,13 +297,16 @@ impl Extract {
             surface_size: self.surface_size,
             map_size: self.map_size,
             smoothing: self.smoothing,
-            offset: self.log_map,
+            log_map: match self.log_map {
+                LogMapArg::Offset => PaintLogMap::Offset(self.offset.unwrap_or(0.05)),
+                LogMapArg::Highlight => PaintLogMap::Highlight,
+            },
             wraps,
         }
     }
 
     /// Views that were painted, and what should be said about the others.
-    fn read_views(&self, scene: &Scene) -> anyhow::Result<(Vec<Painted>, Vec<String>)> {
+    fn find_views(&self, scene: &Scene) -> anyhow::Result<(Vec<Painted>, Vec<String>)> {
         let folder = self.scene.join("painted");
         let pictures = pictures_in(&folder)?;
         let (mut painted, mut missing) = (Vec::new(), Vec::new());
@@ -247,11 +315,11 @@ impl Extract {
                 pictures.iter().filter(|path| is_of(path, &view.name)).collect();
             match &found[..] {
                 [] => missing.push(view.name.as_str()),
-                [path] => {
-                    let exact = self.scene.join("buffers").join(format!("{}.exr", view.name));
-                    let (buffers, image) =
-                        (read_buffers(&exact, scene.size)?, read_painting(path)?);
-                    painted.push(Painted { name: view.name.clone(), buffers, image });
+                [picture] => {
+                    let (name, picture) = (view.name.clone(), (*picture).clone());
+                    let buffers = self.scene.join("buffers").join(format!("{name}.exr"));
+                    let (white, is_photograph) = (view.white, view.has_shadows);
+                    painted.push(Painted { name, white, is_photograph, buffers, picture });
                 }
                 [first, second, ..] => bail!(
                     "{} and {}: two paintings of one view; remove one",
@@ -294,7 +362,8 @@ impl Extract {
         truth.scale = record.scale;
         let mut samples = PaintSamples::new();
         for (at, view) in face_views(&mesh).iter().enumerate() {
-            let buffers = ViewBuffers::of(&mesh, view, scene.size, scene.size);
+            let [width, height] = scene.size.map(|side| side.min(JUDGED_SIZE));
+            let buffers = ViewBuffers::of(&mesh, view, width, height);
             samples.add(at, &view.name, &buffers, &truth.paint(&buffers), self.least_cosine)?;
         }
         Ok(Some(samples.errors(&made.material)))
@@ -304,12 +373,14 @@ impl Extract {
     fn write_pictures(
         &self,
         folder: &mut OutputFolder,
+        scene: &Scene,
         made: &Extraction,
         painted: &[Painted],
     ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
         let mut pictures = Vec::new();
-        for (at, Painted { name, buffers, image }) in painted.iter().enumerate() {
-            let strip = png(&view_strip(name, buffers, image, &made.material))?;
+        for (at, of_view) in painted.iter().enumerate() {
+            let (name, (buffers, image)) = (&of_view.name, of_view.read(scene)?);
+            let strip = png(&view_strip(name, &buffers, &image, &made.material))?;
             folder.write(&format!("view-{}.png", at + 1), &strip)?;
             let held = if self.hold_out.contains(name) { ", held out" } else { "" };
             pictures.push((format!("{name}{held}"), strip));
@@ -331,6 +402,9 @@ impl Extract {
             folder.write("coverage.png", &coverage)?;
             pictures.push(("coverage: violet was filled".to_owned(), coverage));
         }
+        let contradictions = png(&contradictions_view(&made.contradictions))?;
+        folder.write("contradictions.png", &contradictions)?;
+        pictures.push(("red: views contradict each other".to_owned(), contradictions));
         Ok(pictures)
     }
 }

@@ -2,7 +2,6 @@
 
 mod extract;
 mod preview;
-mod report;
 mod setup;
 
 use std::io::Write;

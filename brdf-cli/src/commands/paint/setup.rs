@@ -10,12 +10,12 @@ use brdf_io::{
     scene_to_toml,
 };
 use brdf_model::Brdf;
-use brdf_paint::{BlendedTruth, View, ViewBuffers, vertex_views};
+use brdf_paint::pictures::guide;
+use brdf_paint::{BlendedTruth, View, ViewBuffers, spiral_views, vertex_views};
 use brdf_render::Mesh;
 use serde_json::json;
 
-use super::report::guide;
-use crate::args::usage;
+use crate::args::{resolution, usage};
 use crate::meshes::{UvArg, open_mesh};
 use crate::pictures::png;
 use crate::progress::Progress;
@@ -27,7 +27,7 @@ use crate::subject::Subject;
 /// light, view and texture coordinates of every pixel. With --truth the paintings are rendered instead, and
 /// `extract` also judges views and lights that were not painted.
 ///
-/// Photographs: give their cameras and lights with --views, and save them as painted/NAME.png or .exr.
+/// Photographs: give their cameras and lights with --views, and save them as painted/NAME.png, .jpg or .exr.
 ///
 /// Example: brdf paint setup bunny.ply -o scene/
 #[derive(clap::Args)]
@@ -39,14 +39,14 @@ pub(in crate::commands) struct Setup {
     #[arg(short, long, value_name = "FOLDER", default_value = "scene")]
     output: PathBuf,
 
-    /// 12 for the corners of an icosahedron, or a file of views (TOML, `[[view]]` with name, eye, target, up,
-    /// fov_deg, and light_direction or light_position)
-    #[arg(long, value_name = "12|FILE", default_value = "12")]
+    /// How many, evenly from all sides (12: the corners of an icosahedron), or a file of views (TOML, `[[view]]`
+    /// with name, eye, target, up, fov_deg, and light_direction or light_position; perhaps white and shadows)
+    #[arg(long, value_name = "COUNT|FILE", default_value = "12")]
     views: String,
 
-    /// Pixels along each side of the pictures
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=4096))]
-    size: u32,
+    /// Pixels along each side of the pictures, or WIDTHxHEIGHT
+    #[arg(long, default_value = "512", value_parser = resolution)]
+    size: [usize; 2],
 
     /// Texture coordinates [default: the file's, or those of the sphere]
     #[arg(long, value_enum)]
@@ -64,6 +64,9 @@ pub(in crate::commands) struct Setup {
     #[arg(long)]
     json: bool,
 }
+
+/// Pictures by which rendered scenes are judged, and scaled, are no larger.
+pub(super) const JUDGED_SIZE: usize = 512;
 
 impl Setup {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
@@ -83,22 +86,19 @@ impl Setup {
             );
         }
         let (views, mesh_uv) = (self.open_views(&mesh)?, mesh.uv_source());
-        let size = self.size as usize;
+        let [width, height] = self.size;
         let progress = Progress::new(views.len() as u64 + 1);
-        progress.step("casting rays");
-        let buffers: Vec<ViewBuffers> =
-            views.iter().map(|view| ViewBuffers::of(&mesh, view, size, size)).collect();
-        for (view, buffers) in views.iter().zip(&buffers) {
-            if buffers.pixels.iter().flatten().next().is_none() {
-                bail!("view {}: the object is not in the picture", view.name);
-            }
-        }
         let subjects: Vec<Subject> = self
             .truth
             .iter()
             .map(|name| Subject::open(name, &ReadOptions::default()))
             .collect::<anyhow::Result<_>>()?;
-        let truth = blended(&subjects).map(|truth| truth.scaled_for(&buffers));
+        let truth = blended(&subjects).map(|truth| {
+            progress.step("scale of the truth");
+            let [width, height] = self.size.map(|side| side.min(JUDGED_SIZE));
+            let small = views.iter().map(|view| ViewBuffers::of(&mesh, view, width, height));
+            truth.scaled_for(&small.collect::<Vec<_>>())
+        });
         let (guides, exact) = (folder.create_folder("guides")?, folder.create_folder("buffers")?);
         let painted = if truth.is_some() || !self.output.join("painted").exists() {
             Some(folder.create_folder("painted")?)
@@ -108,12 +108,20 @@ impl Setup {
         let write = |place: &Path, name: String, bytes: Vec<u8>| {
             std::fs::write(place.join(&name), bytes).with_context(|| format!("writing {name}"))
         };
-        for (view, buffers) in views.iter().zip(&buffers) {
+        let (mut pixels, mut lit) = (0, 0);
+        for view in &views {
             progress.step(view.name.clone());
-            write(&guides, format!("{}.png", view.name), png(&guide(buffers))?)?;
-            write(&exact, format!("{}.exr", view.name), buffers_to_exr(buffers)?)?;
+            let buffers = ViewBuffers::of(&mesh, view, width, height);
+            let seen = buffers.pixels.iter().flatten().count();
+            if seen == 0 {
+                bail!("view {}: the object is not in the picture", view.name);
+            }
+            pixels += seen;
+            lit += buffers.pixels.iter().flatten().filter(|s| s.is_seen_and_lit()).count();
+            write(&guides, format!("{}.png", view.name), png(&guide(&buffers))?)?;
+            write(&exact, format!("{}.exr", view.name), buffers_to_exr(&buffers)?)?;
             if let (Some(truth), Some(painted)) = (&truth, &painted) {
-                let image = painting_to_exr(&truth.paint(buffers))?;
+                let image = painting_to_exr(&truth.paint(&buffers))?;
                 write(painted, format!("{}.exr", view.name), image)?;
             }
             progress.done(1);
@@ -124,16 +132,12 @@ impl Setup {
         });
         let mesh = self.mesh.to_string_lossy().into_owned();
         let uv = mesh_uv;
-        let scene = Scene { mesh, uv, size, views, truth };
+        let scene = Scene { mesh, uv, size: self.size, views, truth };
         folder.write("scene.toml", scene_to_toml(&scene)?.as_bytes())?;
-        let pixels: usize = buffers.iter().map(|b| b.pixels.iter().flatten().count()).sum();
-        let lit =
-            |b: &ViewBuffers| b.pixels.iter().flatten().filter(|s| s.is_seen_and_lit()).count();
-        let lit: usize = buffers.iter().map(lit).sum();
         // `brdf`, by which the folder is known as ours, comes first of all keys.
         let report = json!({
             "brdf": env!("CARGO_PKG_VERSION"), "scene": self.output, "views": scene.views.len(),
-            "size": size, "pixels": pixels, "lit_pixels": lit, "uv": scene.uv,
+            "size": scene.size, "pixels": pixels, "lit_pixels": lit, "uv": scene.uv,
             "truth": scene.truth,
         });
         let report = serde_json::to_string_pretty(&report)? + "\n";
@@ -144,7 +148,8 @@ impl Setup {
             out.write_all(report.as_bytes())?;
         } else {
             let count = scene.views.len();
-            writeln!(out, "{}: {count} views of {size}², {lit} lit pixels", self.output.display())?;
+            let folder = self.output.display();
+            writeln!(out, "{folder}: {count} views of {width} × {height}, {lit} lit pixels")?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -152,9 +157,10 @@ impl Setup {
     fn open_views(&self, mesh: &Mesh) -> anyhow::Result<Vec<View>> {
         let views = match self.views.parse::<usize>() {
             Ok(12) => vertex_views(mesh),
+            Ok(count) if (1..=1000).contains(&count) => spiral_views(mesh, count),
             Ok(count) => {
                 return Err(usage(format!(
-                    "--views {count}: expected 12, or a file that lists views"
+                    "--views {count}: expected 1 to 1000, or a file that lists views"
                 )));
             }
             Err(_) => {
