@@ -8,6 +8,7 @@ mod alta;
 mod atomic;
 mod btf;
 mod bytes;
+mod chunk_log;
 mod container;
 mod cornell;
 mod detect;
@@ -32,12 +33,14 @@ pub use btf::{
     Btf, BtfError, BtfFile, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection,
     UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_btf_image, read_map,
 };
+pub use chunk_log::ChunkLog;
 pub use container::{
     BasisFile, BasisRecord, BtfModelFile, BtfRecord, Contained, FitRecord, FitSettings, ModelFile,
-    PaintRecord, PaintedFile, RankRecord, SearchSettings, SeparableFile, SeparableRecord,
-    SeparableSettings, TermRecord, basis_to_bytes, btf_model_to_bytes, model_to_bytes,
-    open_btf_model, painted_to_bytes, parse_basis, parse_btf_model, parse_painted, read_container,
-    record_of, samples_to_bytes, separable_to_bytes, table_to_bytes,
+    PaintRecord, PaintedFile, RankRecord, RelightFile, RelightRecord, SearchSettings,
+    SeparableFile, SeparableRecord, SeparableSettings, TermRecord, basis_to_bytes,
+    btf_model_to_bytes, model_to_bytes, open_btf_model, painted_to_bytes, parse_basis,
+    parse_btf_model, parse_painted, parse_relight, read_container, record_of, relight_to_bytes,
+    samples_to_bytes, separable_to_bytes, table_to_bytes, vectors_from_bytes, vectors_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};
 pub use detect::{Format, detect};

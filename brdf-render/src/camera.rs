@@ -75,6 +75,17 @@ impl Camera {
         (self.axes * DVec3::new(across, up, -1.0)).normalize()
     }
 
+    /// Where a point before the camera stands in a picture of so many columns and rows, in pixels from its top left, and
+    /// how far along the view.
+    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
+    pub fn project(&self, point: DVec3, columns: usize, rows: usize) -> Option<(DVec2, f64)> {
+        let local = self.to_camera(point - self.eye);
+        let (distance, half) = (-local.z, 0.5 * columns as f64);
+        let scale = half / (self.half_width * distance);
+        let place = DVec2::new(half + local.x * scale, 0.5 * rows as f64 - local.y * scale);
+        (distance > 0.0).then_some((place, distance))
+    }
+
     /// Side of a pixel at a distance of 1, of a picture of so many columns.
     #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
     pub(crate) fn pixel_side(&self, columns: usize) -> f64 {
@@ -101,6 +112,17 @@ mod tests {
         };
         assert!(miss(DVec2::new(50.0, 50.0)) < 1e-9, "looks at the centre");
         assert!((miss(DVec2::new(98.0, 50.0)) - 2.0).abs() < 0.02, "the rim of the sphere");
+    }
+
+    #[test]
+    fn a_point_is_seen_along_its_ray() {
+        let camera = Camera::around(DVec3::ONE, 2.0, DVec3::new(1.0, 2.0, -0.5).normalize());
+        let point = DVec3::new(0.3, 1.8, 0.1);
+        let (place, distance) = camera.project(point, 300, 200).unwrap();
+        let ray = camera.ray(place, 300, 200);
+        assert!((point - camera.eye).normalize().distance(ray) < 1e-12, "{place}");
+        assert!(((point - camera.eye).dot(camera.forward()) - distance).abs() < 1e-12);
+        assert!(camera.project(2.0 * camera.eye, 300, 200).is_none(), "behind it");
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod factor;
 mod info;
 mod paint;
 mod plot;
+mod relight;
 mod render;
 mod sample;
 mod study;
@@ -46,6 +47,8 @@ enum Command {
     Btf(btf::Btf),
     #[command(subcommand)]
     Paint(paint::Paint),
+    #[command(subcommand)]
+    Relight(relight::Relight),
     Convert(convert::Convert),
     Completions(completions::Completions),
 }
@@ -63,6 +66,7 @@ impl Cli {
             Command::Sample(command) => command.run(out),
             Command::Btf(command) => command.run(out),
             Command::Paint(command) => command.run(out),
+            Command::Relight(command) => command.run(out),
             Command::Convert(command) => command.run(out),
             Command::Completions(command) => command.run(out),
         }

@@ -15,6 +15,10 @@
 //!
 //! A preinverted matrix: `cholesky`, f64 `[column, row]`, or `vectors`, f64 `[component, unknown]`, and `weights`.
 //!
+//! Transport of an object: for each part `part0.positions`, `part0.normals` (f32), `part0.triangles` (u32), `part0.light` and
+//! `part0.view`, f32 `[row, column, value]`, and the arrays of [`brdf_relight::SparseTransport`]: `part0.scales` (f32),
+//! `part0.offsets` (u32), `part0.owners` (u16) and `part0.codes` (u32, or u16 where light maps are scalar).
+//!
 //! A compressed BTF: packed books as tensors of bytes.
 //!
 //! A MERL-grid table: one tensor `cells`, f32 `[theta_h, theta_d, phi_d, channel]`, negative where
@@ -35,11 +39,16 @@ use serde::{Deserialize, Serialize};
 mod basis;
 mod btf;
 mod painted;
+mod relight;
 mod separable;
 
 pub use basis::{BasisFile, BasisRecord, basis_to_bytes, parse_basis};
 pub use btf::{BtfModelFile, BtfRecord, btf_model_to_bytes, open_btf_model, parse_btf_model};
 pub use painted::{PaintRecord, PaintedFile, painted_to_bytes, parse_painted};
+pub use relight::{
+    RelightFile, RelightRecord, parse_relight, relight_to_bytes, vectors_from_bytes,
+    vectors_to_bytes,
+};
 pub use separable::{
     RankRecord, SeparableFile, SeparableRecord, SeparableSettings, separable_to_bytes,
 };
@@ -56,6 +65,7 @@ const VERSION: u32 = 1;
 enum Kind {
     Factored,
     Separable,
+    Transport,
     MerlTable,
     Samples,
     BtfVq,
@@ -305,6 +315,12 @@ pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, For
             return Err(FormatError::Missing {
                 what: "BRDF: this is a painted material, which varies over a surface".to_owned(),
                 expected: "`brdf paint preview` for it".to_owned(),
+            });
+        }
+        Kind::Transport => {
+            return Err(FormatError::Missing {
+                what: "BRDF: this is the transport of an object".to_owned(),
+                expected: "one of the commands of `brdf relight` for it".to_owned(),
             });
         }
         Kind::Basis => {

@@ -1,0 +1,99 @@
+//! `brdf relight bench`.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use brdf_relight::{Occluder, RelitScene, picture, precompute};
+use serde_json::json;
+
+use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
+use crate::numbers::bytes as shown_bytes;
+
+/// Time new light and new views of a precomputed object
+///
+/// Frames have one point a pixel unless --points says otherwise. Precomputation is timed on 2,048 vertices of each part, and stands for
+/// all.
+///
+/// Example: brdf relight bench bunny.prt --env grace.hdr
+#[derive(clap::Args)]
+pub(in crate::commands) struct Bench {
+    /// File that `brdf relight precompute` wrote
+    object: PathBuf,
+
+    #[command(flatten)]
+    light: LightArgs,
+
+    #[command(flatten)]
+    shot: ShotArgs,
+
+    /// Frames of each kind
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    frames: u32,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Vertices of each part that precomputation is timed on.
+const TIMED: usize = 2048;
+
+impl Bench {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        let loaded = Loaded::open(&self.object)?;
+        let file = loaded.parse()?;
+        let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);
+        let shot = self.shot.with_points(1);
+        let mut relit = RelitScene::default();
+        let degrees = |frame: u32| 360.0 * f64::from(frame) / f64::from(self.frames);
+        let lit = self.light.coefficients(&self.light.light(&environment, 0.0));
+        relit.relight(&file.parts, &lit);
+        let timed = |f: &mut dyn FnMut(u32)| {
+            let start = Instant::now();
+            (0..self.frames).for_each(f);
+            f64::from(self.frames) / start.elapsed().as_secs_f64()
+        };
+        let kernel = timed(&mut |_| relit.relight(&file.parts, &lit));
+        let light = timed(&mut |frame| {
+            let light = self.light.light(&environment, degrees(frame));
+            relit.relight(&file.parts, &self.light.coefficients(&light));
+            picture(&file.parts, &relit, &shot.shot(&mesh, 0.0));
+        });
+        let view = timed(&mut |frame| {
+            picture(&file.parts, &relit, &shot.shot(&mesh, degrees(frame)));
+        });
+        let occluder = Occluder::of(&mesh);
+        let mut seconds = 0.0;
+        for part in &file.parts {
+            let count = part.surface.positions.len();
+            let first = (count - count.min(TIMED)) / 2;
+            let range = first..first + count.min(TIMED);
+            let start = Instant::now();
+            let params = &file.record.precompute;
+            precompute(&mesh, &occluder, &part.surface, range.clone(), &part.maps, params, &|| ());
+            #[expect(clippy::cast_precision_loss, reason = "counts of vertices")]
+            let share = count as f64 / range.len() as f64;
+            seconds += start.elapsed().as_secs_f64() * share;
+        }
+        let transport: usize = file.parts.iter().map(|part| part.transport.bytes()).sum();
+        if self.json {
+            let report = json!({
+                "precompute_s": seconds, "light_kernel_fps": kernel, "light_frame_fps": light,
+                "view_frame_fps": view, "bytes": transport, "file_bytes": loaded.len(),
+                "lit_coefficients": lit.places().len(),
+            });
+            writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
+        } else {
+            writeln!(out, "precomputation {seconds:.1} s, {}", shown_bytes(transport))?;
+            writeln!(
+                out,
+                "new light {kernel:.0} fps alone, {light:.0} with the picture ({} coefficients)",
+                lit.places().len()
+            )?;
+            writeln!(out, "new view {view:.0} fps")?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,88 @@
+//! `brdf relight compare`.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use brdf_io::ReadOptions;
+use brdf_relight::{CompareParams, Occluder, compare};
+
+use super::loading::{LightArgs, Loaded, mesh_of};
+use crate::numbers::significant;
+use crate::progress::Progress;
+use crate::subject::Subject;
+
+/// Say what relighting loses, against brute force
+///
+/// Colours of vertices seen from six sides, against the exact BRDF under all light with sixteen rays a texel: relative
+/// RMS of everything together, and of each step alone.
+///
+/// Example: brdf relight compare bunny.prt --env uffizi.hdr --brdf preset:plastic
+#[derive(clap::Args)]
+pub(in crate::commands) struct Compare {
+    /// File that `brdf relight precompute` wrote
+    object: PathBuf,
+
+    #[command(flatten)]
+    light: LightArgs,
+
+    /// The material that it was made with
+    #[arg(long, value_name = "MODEL", default_value = "preset:plastic")]
+    brdf: String,
+
+    /// Vertices to compare, evenly from all
+    #[arg(long, default_value_t = 160, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    vertices: u32,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Compare {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+        let loaded = Loaded::open(&self.object)?;
+        let file = loaded.parse()?;
+        let subject = Subject::open(&self.brdf, &ReadOptions::default())?;
+        if subject.short_name() != file.record.brdf {
+            writeln!(
+                std::io::stderr(),
+                "{}: made with {}, compared with {}",
+                self.object.display(),
+                file.record.brdf,
+                subject.short_name()
+            )?;
+        }
+        let mesh = mesh_of(&file)?;
+        let light = self.light.light(&self.light.environment()?, 0.0);
+        let params = CompareParams {
+            vertices: self.vertices as usize,
+            precompute: file.record.precompute,
+            rule: self.light.rule(),
+        };
+        let maps = &file.parts.first().context("no parts")?.maps;
+        let progress = Progress::new(1);
+        progress.step("brute force");
+        let split = compare(&mesh, &Occluder::of(&mesh), subject.brdf(), maps, &light, &params);
+        drop(progress);
+        if self.json {
+            writeln!(out, "{}", serde_json::to_string_pretty(&split)?)?;
+            return Ok(ExitCode::SUCCESS);
+        }
+        writeln!(out, "relative RMS {} of {} colours", significant(split.total), split.colours)?;
+        let parts = [
+            ("terms", split.rank),
+            ("coefficients", split.coefficients),
+            ("light", split.light),
+            ("visibility", split.visibility),
+        ];
+        for (name, value) in parts {
+            writeln!(out, "  {name} {}", significant(value))?;
+        }
+        if split.negative > 0 {
+            writeln!(out, "  {} colours are below 0 in a channel", split.negative)?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

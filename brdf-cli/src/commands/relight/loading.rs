@@ -1,0 +1,149 @@
+//! What the commands that use transport share: the file, the light, the camera.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use brdf_io::{MappedFile, RelightFile, parse_relight, read_environment};
+use brdf_relight::{CubeLight, LightRule, LitCoefficients, Shot};
+use brdf_render::{Camera, Environment, Mesh, Soup};
+use clap::ValueEnum;
+use glam::DVec3;
+
+/// A file of transport.
+pub(super) struct Loaded {
+    path: PathBuf,
+    bytes: MappedFile,
+}
+
+impl Loaded {
+    pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
+        Ok(Self { path: path.to_owned(), bytes: MappedFile::open(path)? })
+    }
+
+    pub(super) fn parse(&self) -> anyhow::Result<RelightFile<'_>> {
+        parse_relight(&self.bytes).with_context(|| self.path.display().to_string())
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+/// The object of a file, for rays.
+pub(super) fn mesh_of(file: &RelightFile<'_>) -> anyhow::Result<Mesh> {
+    let surface = &file.parts.first().context("no parts")?.surface;
+    let soup = Soup {
+        positions: surface.positions.clone(),
+        normals: Some(surface.normals.clone()),
+        triangles: surface.triangles.clone(),
+        ..Soup::default()
+    };
+    Ok(Mesh::new(soup)?.0)
+}
+
+/// What lights the object.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Lighting")]
+pub(super) struct LightArgs {
+    /// Lat-long Radiance HDR environment
+    #[arg(long, value_name = "FILE")]
+    env: PathBuf,
+
+    /// Turn the environment about the vertical
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    rotate_deg: f64,
+
+    /// Which of the light's coefficients are used
+    #[arg(long, value_enum, default_value_t = RuleArg::Energy)]
+    light_rule: RuleArg,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RuleArg {
+    /// 99.5 % of the energy beyond the brightest, 200 to 1,000 of them
+    Energy,
+    /// Those of at least 1/32 of the largest
+    Paper,
+    /// All
+    All,
+}
+
+impl LightArgs {
+    pub(super) fn environment(&self) -> anyhow::Result<Environment> {
+        Ok(read_environment(&self.env)?)
+    }
+
+    /// The environment turned by `more` degrees beyond what was asked for.
+    pub(super) fn light(&self, environment: &Environment, more: f64) -> CubeLight {
+        CubeLight::of(environment, (self.rotate_deg + more).to_radians())
+    }
+
+    pub(super) fn rule(&self) -> LightRule {
+        match self.light_rule {
+            RuleArg::Energy => LightRule::Energy,
+            RuleArg::Paper => LightRule::Paper,
+            RuleArg::All => LightRule::All,
+        }
+    }
+
+    pub(super) fn coefficients(&self, light: &CubeLight) -> LitCoefficients {
+        light.coefficients(self.rule())
+    }
+}
+
+/// How a picture is taken.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct ShotArgs {
+    /// Where the camera stands about the object: azimuth in degrees from +z towards +x, elevation, and distance in
+    /// radii of the object
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION,RADII",
+        default_value = "20,15,3.5",
+        value_parser = view,
+        allow_hyphen_values = true
+    )]
+    view: [f64; 3],
+
+    /// Pixels along each side
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    size: u32,
+
+    /// Points along each side of a pixel
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
+    points: u32,
+}
+
+fn view(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|v| v.parse().ok()).collect();
+    match numbers[..] {
+        [azimuth, elevation, radii]
+            if numbers.iter().all(|v| v.is_finite())
+                && (-90.0..=90.0).contains(&elevation)
+                && radii > 1.0 =>
+        {
+            Ok([azimuth, elevation, radii])
+        }
+        _ => {
+            Err("expected azimuth, elevation and a distance above 1, such as 20,15,3.5".to_owned())
+        }
+    }
+}
+
+impl ShotArgs {
+    /// The view turned by `more` degrees.
+    pub(super) fn shot(&self, mesh: &Mesh, more: f64) -> Shot {
+        let [azimuth, elevation, radii] = self.view;
+        let ((sin, cos), up) = ((azimuth + more).to_radians().sin_cos(), elevation.to_radians());
+        let from = DVec3::new(up.cos() * sin, up.sin(), up.cos() * cos);
+        let whole = Camera::around(mesh.centre(), mesh.radius(), from);
+        let eye = mesh.centre() + radii * mesh.radius() * from;
+        let camera =
+            Camera::looking_at(eye, mesh.centre(), whole.up(), whole.fov()).unwrap_or(whole);
+        Shot { camera, size: self.size as usize, points: self.points as usize }
+    }
+
+    pub(super) fn with_points(&self, points: u32) -> Self {
+        Self { points, ..self.clone() }
+    }
+}

@@ -1,0 +1,247 @@
+//! Transport of objects.
+
+use std::borrow::Cow;
+
+use brdf_relight::{
+    BrdfMaps, Codes, Coding, MapParams, MapStack, Part, PrecomputeParams, SparseTransport,
+    SparseVectors, Surface,
+};
+use bytemuck::Pod;
+use glam::DVec3;
+use safetensors::SafeTensors;
+use safetensors::tensor::Dtype;
+use serde::{Deserialize, Serialize};
+
+use super::{Head, Kind, VERSION, library, read_head, serialize};
+use crate::FormatError;
+use crate::bytes::{Cursor, f32_values};
+
+/// Transport and how it was made; arrays lie in the file's bytes where those are aligned.
+#[derive(Clone, Debug)]
+pub struct RelightFile<'a> {
+    /// The object, and its ground if it has one.
+    pub parts: Vec<Part<'a>>,
+    /// How it was made.
+    pub record: RelightRecord,
+}
+
+/// How transport was made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RelightRecord {
+    /// The mesh, without its folder.
+    pub mesh: String,
+    /// The material, as it was given, without folders.
+    pub brdf: String,
+    /// How the BRDF was factored.
+    pub maps: MapParams,
+    /// How transport was made.
+    pub precompute: PrecomputeParams,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Record {
+    #[serde(flatten)]
+    head: Head,
+    /// Terms of each part.
+    terms: Vec<usize>,
+    made: RelightRecord,
+}
+
+/// The bytes of transport's file.
+///
+/// # Errors
+///
+/// [`FormatError::Library`] if they cannot be put together.
+pub fn relight_to_bytes(
+    parts: &[Part<'_>],
+    record: &RelightRecord,
+) -> Result<Vec<u8>, FormatError> {
+    #[expect(clippy::cast_possible_truncation, reason = "vertices are stored as f32")]
+    let floats = |vectors: &[DVec3]| -> Vec<u8> {
+        vectors.iter().flat_map(|v| v.to_array()).flat_map(|v| (v as f32).to_le_bytes()).collect()
+    };
+    let mut tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)> = Vec::new();
+    for (index, part) in parts.iter().enumerate() {
+        let Part { surface, maps, transport } = part;
+        let (scales, offsets, owners, codes) = transport.parts();
+        let mut add = |name: &str, kind, shape: &[usize], bytes| {
+            tensors.push((name_of(index, name), kind, shape.to_vec(), bytes));
+        };
+        let vertices = surface.positions.len();
+        add("positions", Dtype::F32, &[vertices, 3], floats(&surface.positions));
+        add("normals", Dtype::F32, &[vertices, 3], floats(&surface.normals));
+        let corners = surface.triangles.as_flattened();
+        add("triangles", Dtype::U32, &[surface.triangles.len(), 3], little(corners));
+        for (name, map) in [("light", &maps.light), ("view", &maps.view)] {
+            let shape = [map.resolution(), map.resolution(), map.width()];
+            add(name, Dtype::F32, &shape, little(map.texels()));
+        }
+        add("scales", Dtype::F32, &[scales.len()], little(scales));
+        add("offsets", Dtype::U32, &[offsets.len()], little(offsets));
+        add("owners", Dtype::U16, &[owners.len()], little(owners));
+        match codes {
+            Codes::Rgb(codes) => add("codes", Dtype::U32, &[codes.len()], little(codes)),
+            Codes::Scalar(codes) => add("codes", Dtype::U16, &[codes.len()], little(codes)),
+        }
+    }
+    let head = Head { kind: Kind::Transport, version: VERSION };
+    let terms = parts.iter().map(|part| part.maps.terms).collect();
+    let record = serde_json::to_string(&Record { head, terms, made: record.clone() })
+        .map_err(|e| library("transport record", &e))?;
+    let views = tensors
+        .iter()
+        .map(|(name, kind, shape, bytes)| (name.as_str(), *kind, shape.clone(), &bytes[..]));
+    serialize(views, record)
+}
+
+/// Reads transport.
+///
+/// # Errors
+///
+/// [`FormatError`] for anything that is not whole and consistent.
+pub fn parse_relight(bytes: &[u8]) -> Result<RelightFile<'_>, FormatError> {
+    let (head, record) = read_head(bytes)?;
+    if !matches!(head.kind, Kind::Transport) {
+        return Err(FormatError::Missing {
+            what: "transport: this is a container of another kind".to_owned(),
+            expected: "a file of `brdf relight precompute`".to_owned(),
+        });
+    }
+    let record: Record =
+        serde_json::from_str(&record).map_err(|e| library("transport record", &e))?;
+    let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
+    let parts = record.terms.iter().enumerate().map(|(index, terms)| {
+        let array = |name: &str, kind: Dtype, rank: usize| {
+            let name = name_of(index, name);
+            let view = tensors.tensor(&name).map_err(|e| library("safetensors", &e))?;
+            if view.dtype() == kind && view.shape().len() == rank {
+                return Ok((view.shape().to_vec(), view.data()));
+            }
+            Err(FormatError::Missing {
+                what: format!("tensor {name} of {kind:?} with {rank} axes"),
+                expected: format!("that instead of {:?} {:?}", view.dtype(), view.shape()),
+            })
+        };
+        let triples = |name: &str| -> Result<Vec<DVec3>, FormatError> {
+            let (shape, data) = array(name, Dtype::F32, 2)?;
+            if shape[1] != 3 {
+                return Err(library("transport", &format!("{name} of {shape:?}")));
+            }
+            let values = f32_values(data);
+            let triples = values.as_chunks::<3>().0.iter();
+            Ok(triples.map(|v| DVec3::from(v.map(f64::from))).collect())
+        };
+        let map = |name: &str| -> Result<MapStack, FormatError> {
+            let (shape, data) = array(name, Dtype::F32, 3)?;
+            if shape[0] != shape[1] {
+                return Err(library("transport", &format!("{name} of {shape:?}")));
+            }
+            MapStack::new(shape[0], shape[2], f32_values(data)).map_err(|e| library("maps", &e))
+        };
+        let maps = BrdfMaps::new(map("light")?, map("view")?, *terms);
+        let maps = maps.map_err(|e| library("maps", &e))?;
+        let codes = match Coding::of(maps.light_channels()) {
+            Coding::Rgb => Codes::Rgb(mapped(array("codes", Dtype::U32, 1)?.1)),
+            Coding::Scalar => Codes::Scalar(mapped(array("codes", Dtype::U16, 1)?.1)),
+        };
+        let scales = mapped(array("scales", Dtype::F32, 1)?.1);
+        let offsets = mapped(array("offsets", Dtype::U32, 1)?.1);
+        let owners = mapped(array("owners", Dtype::U16, 1)?.1);
+        let (shape, corners) = array("triangles", Dtype::U32, 2)?;
+        if shape[1] != 3 {
+            return Err(library("transport", &format!("triangles of {shape:?}")));
+        }
+        let corners: Cow<'_, [u32]> = mapped(corners);
+        let surface = Surface {
+            positions: triples("positions")?,
+            normals: triples("normals")?,
+            triangles: corners.as_chunks::<3>().0.to_vec(),
+        };
+        let transport = SparseTransport::new(scales, offsets, owners, codes);
+        let transport = transport.map_err(|e| library("transport", &e))?;
+        Part::with_transport(surface, maps, transport).map_err(|e| library("transport", &e))
+    });
+    Ok(RelightFile { parts: parts.collect::<Result<_, _>>()?, record: record.made })
+}
+
+fn name_of(part: usize, name: &str) -> String {
+    format!("part{part}.{name}")
+}
+
+/// Values as little-endian bytes.
+fn little<T: Pod + Little>(values: &[T]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(size_of_val(values));
+    values.iter().for_each(|value| value.append(&mut bytes));
+    bytes
+}
+
+/// Numbers that are stored.
+trait Little: Sized {
+    fn append(&self, bytes: &mut Vec<u8>);
+    fn read(bytes: &[u8]) -> Self;
+}
+
+macro_rules! little {
+    ($($number:ty),*) => {$(
+        impl Little for $number {
+            fn append(&self, bytes: &mut Vec<u8>) {
+                bytes.extend(self.to_le_bytes());
+            }
+
+            fn read(bytes: &[u8]) -> Self {
+                let mut own = [0; size_of::<Self>()];
+                own.copy_from_slice(bytes);
+                Self::from_le_bytes(own)
+            }
+        }
+    )*};
+}
+
+little!(f32, u32, u16);
+
+/// An array where it lies, if it is aligned and this machine stores numbers as files do; else a copy.
+fn mapped<T: Pod + Little>(bytes: &[u8]) -> Cow<'_, [T]> {
+    match bytemuck::try_cast_slice(bytes) {
+        Ok(values) if cfg!(target_endian = "little") => Cow::Borrowed(values),
+        _ => bytes.chunks_exact(size_of::<T>()).map(T::read).collect(),
+    }
+}
+
+/// The vectors of some vertices as bytes, for a [`crate::ChunkLog`].
+pub fn vectors_to_bytes(vertices: &[SparseVectors]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for vertex in vertices {
+        for count in [vertex.counts.len(), vertex.places.len()] {
+            bytes.extend(u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes());
+        }
+        bytes.extend(little(&vertex.largest));
+        bytes.extend(little(&vertex.counts));
+        bytes.extend(little(&vertex.places));
+        bytes.extend(little(&vertex.codes));
+    }
+    bytes
+}
+
+/// Reads what [`vectors_to_bytes`] made.
+///
+/// # Errors
+///
+/// [`FormatError::PastEnd`] for bytes that end too early.
+pub fn vectors_from_bytes(bytes: &[u8]) -> Result<Vec<SparseVectors>, FormatError> {
+    let (mut cursor, mut vertices) = (Cursor::new(bytes, 0), Vec::new());
+    while cursor.offset() < bytes.len() {
+        let (terms, entries) = (cursor.u32("terms")? as usize, cursor.u32("entries")? as usize);
+        let vertex = SparseVectors {
+            largest: read_all(cursor.take(4 * terms, "largest values")?),
+            counts: read_all(cursor.take(2 * terms, "counts")?),
+            places: read_all(cursor.take(2 * entries, "places")?),
+            codes: read_all(cursor.take(4 * entries, "codes")?),
+        };
+        vertices.push(vertex);
+    }
+    Ok(vertices)
+}
+
+fn read_all<T: Pod + Little>(bytes: &[u8]) -> Vec<T> {
+    mapped(bytes).into_owned()
+}

@@ -1,0 +1,239 @@
+//! How far relighting is from what it stands for, and which step loses what.
+
+use brdf_model::Brdf;
+use brdf_param::DirectionPair;
+use brdf_render::Mesh;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::bundle::Occluder;
+use crate::coefficients::Coding;
+use crate::cube::TEXELS;
+use crate::frame::tangent_frame;
+use crate::light::{CubeLight, LightRule, LitCoefficients};
+use crate::maps::BrdfMaps;
+use crate::scene::PrecomputeParams;
+use crate::surface::{Surface, diagonal};
+use crate::transport::{Sky, Workspace};
+use crate::visibility::Quality;
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CompareParams {
+    /// Vertices, evenly from all.
+    pub vertices: usize,
+    /// How transport is made.
+    pub precompute: PrecomputeParams,
+    /// Which coefficients of the light are used.
+    pub rule: LightRule,
+}
+
+/// Errors relative to what they are taken from: root of the sum of squared differences over that of squares, all
+/// channels, vertices and views together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Split {
+    /// Of everything together, from the exact BRDF under all light with sixteen rays a texel.
+    pub total: f64,
+    /// Of the number of terms alone.
+    pub rank: f64,
+    /// Of cutting and rounding coefficients, from the same terms with all.
+    pub coefficients: f64,
+    /// Of the light's coefficients, from all of them with the same transport.
+    pub light: f64,
+    /// Of fewer rays, from sixteen with the exact BRDF.
+    pub visibility: f64,
+    /// Colours compared: vertices times views that see them.
+    pub colours: usize,
+    /// Of these, with a channel below 0.
+    pub negative: usize,
+}
+
+/// Sums of squares of a comparison.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    apart: f64,
+    wanted: f64,
+}
+
+impl Sums {
+    fn add(&mut self, found: [f64; 3], wanted: [f64; 3]) {
+        for (found, wanted) in found.into_iter().zip(wanted) {
+            self.apart += (found - wanted).powi(2);
+            self.wanted += wanted.powi(2);
+        }
+    }
+
+    fn ratio(&self) -> f64 {
+        if self.wanted > 0.0 { (self.apart / self.wanted).sqrt() } else { 0.0 }
+    }
+}
+
+/// Colours of one vertex from one view, by what is left out.
+struct Colours {
+    exact: [f64; 3],
+    fewer_rays: [f64; 3],
+    terms: [f64; 3],
+    all_light: [f64; 3],
+    stored: [f64; 3],
+    /// As `all_light`, with sixteen rays and all coefficients of the terms.
+    cut: [f64; 3],
+}
+
+/// Views are from the six axes; what they see at less than this cosine does not count.
+const LEAST_COSINE: f64 = 0.1;
+const VIEWS: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+
+/// Compares colours of vertices of a mesh, seen from the six axes, with brute force.
+pub fn compare(
+    mesh: &Mesh,
+    occluder: &Occluder,
+    brdf: &dyn Brdf,
+    maps: &BrdfMaps,
+    light: &CubeLight,
+    params: &CompareParams,
+) -> Split {
+    let surface = Surface::of(mesh);
+    let sites = surface.sites(diagonal(mesh.positions()));
+    let count = params.vertices.clamp(1, sites.len());
+    let sky = Sky::default();
+    let [all, some] = [LightRule::All, params.rule].map(|rule| light.coefficients(rule));
+    let colours: Vec<Vec<Colours>> = (0..count)
+        .into_par_iter()
+        .map_init(
+            || Workspace::new(maps.light.width()),
+            |workspace, at| {
+                let site = sites[at * sites.len() / count];
+                let views: Vec<DVec3> =
+                    VIEWS.into_iter().filter(|view| view.dot(site.normal) > LEAST_COSINE).collect();
+                let frame = tangent_frame(site.normal);
+                let locals: Vec<DVec3> = views.iter().map(|v| frame.transpose() * *v).collect();
+                let look = |workspace: &mut Workspace, quality| {
+                    workspace.visibility.look(occluder, site.position, site.normal, quality);
+                    let shares = workspace.visibility.shares().to_vec();
+                    brute_force(brdf, &sky, light, &frame.as_mat3(), &shares, &locals)
+                };
+                let exact = look(workspace, Quality::Sixteen);
+                let fewer_rays = look(workspace, params.precompute.quality);
+                let dense = |workspace: &mut Workspace, quality| {
+                    let values = workspace.transport(&sky, occluder, &site, &maps.light, quality);
+                    received(values, maps, &light.radiance)
+                };
+                let full = dense(workspace, Quality::Sixteen);
+                let own = dense(workspace, params.precompute.quality);
+                workspace.transform();
+                let kept = workspace.select(maps.terms, params.precompute.coefficients);
+                let stored = [&all, &some].map(|lit| kept_received(&kept, maps, lit));
+                let view = |arriving: &[[f64; 3]], local: DVec3| seen(maps, arriving, local);
+                let each = locals.iter().zip(exact).zip(fewer_rays);
+                each.map(|((local, exact), fewer_rays)| Colours {
+                    exact,
+                    fewer_rays,
+                    terms: view(&full, *local),
+                    cut: view(&own, *local),
+                    all_light: view(&stored[0], *local),
+                    stored: view(&stored[1], *local),
+                })
+                .collect()
+            },
+        )
+        .collect();
+    let mut sums = [Sums::default(); 5];
+    let (mut count, mut negative) = (0, 0);
+    for colours in colours.iter().flatten() {
+        let pairs = [
+            (colours.stored, colours.exact),
+            (colours.terms, colours.exact),
+            (colours.all_light, colours.cut),
+            (colours.stored, colours.all_light),
+            (colours.fewer_rays, colours.exact),
+        ];
+        sums.iter_mut().zip(pairs).for_each(|(sums, (found, wanted))| sums.add(found, wanted));
+        count += 1;
+        negative += usize::from(colours.stored.iter().any(|v| *v < 0.0));
+    }
+    let [total, rank, coefficients, light, visibility] = sums.map(|sums| sums.ratio());
+    Split { total, rank, coefficients, light, visibility, colours: count, negative }
+}
+
+/// Radiance towards each view of the exact BRDF.
+fn brute_force(
+    brdf: &dyn Brdf,
+    sky: &Sky,
+    light: &CubeLight,
+    frame: &glam::Mat3,
+    shares: &[u8],
+    views: &[DVec3],
+) -> Vec<[f64; 3]> {
+    let to_local = frame.transpose();
+    let mut sums = vec![[0.0; 3]; views.len()];
+    for texel in (0..TEXELS).filter(|texel| shares[*texel] > 0) {
+        let wi = (to_local * sky.directions()[texel]).as_dvec3().normalize();
+        let weight =
+            f64::from(sky.solid_angles()[texel]) * wi.z.max(0.0) * f64::from(shares[texel]) / 16.0;
+        if weight <= 0.0 {
+            continue;
+        }
+        for (sum, wo) in sums.iter_mut().zip(views) {
+            let value = brdf.eval(&DirectionPair::new(wi, *wo)).channels();
+            let radiance = light.radiance[texel];
+            for channel in 0..3 {
+                sum[channel] += weight * value[channel] * f64::from(radiance[channel]);
+            }
+        }
+    }
+    sums
+}
+
+/// What each term receives of all light: dense transport times radiance.
+fn received(values: &[f32], maps: &BrdfMaps, radiance: &[[f32; 3]]) -> Vec<[f64; 3]> {
+    let (width, channels) = (maps.light.width(), maps.light_channels());
+    let mut sums = vec![[0.0; 3]; maps.terms];
+    for (values, radiance) in values.chunks_exact(width).zip(radiance) {
+        for (sum, value) in sums.iter_mut().zip(values.chunks_exact(channels)) {
+            for channel in 0..3 {
+                let value = value[channel.min(channels - 1)];
+                sum[channel] += f64::from(value) * f64::from(radiance[channel]);
+            }
+        }
+    }
+    sums
+}
+
+/// The same of kept coefficients.
+fn kept_received(
+    kept: &crate::SparseVectors,
+    maps: &BrdfMaps,
+    light: &LitCoefficients,
+) -> Vec<[f64; 3]> {
+    let coding = Coding::of(maps.light_channels());
+    let mut start = 0;
+    let terms = kept.counts.iter().zip(&kept.largest).map(|(count, largest)| {
+        let entries = start..start + usize::from(*count);
+        start = entries.end;
+        let mut sum = [0.0; 3];
+        for at in entries {
+            let Ok(lit) = light.places().binary_search(&kept.places[at]) else { continue };
+            let (value, radiance) = (coding.decode(kept.codes[at]), light.values()[lit]);
+            for channel in 0..3 {
+                sum[channel] += f64::from(value[channel]) * f64::from(radiance[channel]);
+            }
+        }
+        sum.map(|v| v * f64::from(*largest / coding.top()))
+    });
+    terms.collect()
+}
+
+/// Σ_k h_k(wo) times what arrives for k.
+#[expect(clippy::cast_possible_truncation, reason = "maps are f32")]
+fn seen(maps: &BrdfMaps, arriving: &[[f64; 3]], wo: DVec3) -> [f64; 3] {
+    let mut values = vec![0.0; maps.view.width()];
+    maps.view.read(Vec3::new(wo.x as f32, wo.y as f32, wo.z as f32), 1.0, &mut values);
+    let mut sum = [0.0; 3];
+    for (value, h) in arriving.iter().zip(values.as_chunks::<3>().0) {
+        for channel in 0..3 {
+            sum[channel] += value[channel] * f64::from(h[channel]);
+        }
+    }
+    sum
+}

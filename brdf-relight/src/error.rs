@@ -1,0 +1,38 @@
+//! What can go wrong.
+
+use brdf_separable::SeparableError;
+
+/// Errors of this crate.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RelightError {
+    /// A BRDF that cannot be relit with.
+    #[error("BRDF: {found}; expected {expected}")]
+    Brdf {
+        /// What it is.
+        found: String,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// An option outside its range.
+    #[error("{option} is {value}; expected {expected}")]
+    Option {
+        /// Which option.
+        option: &'static str,
+        /// The value asked for.
+        value: usize,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// Stored transport that is not whole.
+    #[error("transport: {found}; expected {expected}")]
+    Transport {
+        /// What was found.
+        found: String,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// The factorization.
+    #[error(transparent)]
+    Separable(#[from] SeparableError),
+}

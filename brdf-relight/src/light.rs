@@ -1,0 +1,178 @@
+//! Environments as wavelet coefficients.
+
+use brdf_render::Environment;
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::cube::{FACE_TEXELS, FACES, SIDE, TEXELS, middle};
+use crate::haar;
+
+/// Which coefficients of a light are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightRule {
+    /// The largest, until what is left of the energy beyond the brightest hundredth is .5 %; from 200 to 1,000.
+    #[default]
+    Energy,
+    /// Those of at least 1/32 of the largest (the paper's 1024 of 32767).
+    Paper,
+    /// All.
+    All,
+}
+
+/// Bounds of [`LightRule::Energy`].
+const LEAST: usize = 200;
+const MOST: usize = 1000;
+/// Share of the energy that it holds.
+const HELD: f64 = 0.995;
+
+/// The sky's radiance over the texels of the cube.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CubeLight {
+    /// Mean linear RGB of each texel.
+    pub radiance: Vec<[f32; 3]>,
+}
+
+/// Coefficients of a light, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LitCoefficients {
+    places: Vec<u16>,
+    values: Vec<[f32; 3]>,
+}
+
+impl CubeLight {
+    /// An environment turned about the vertical by an angle in radians, to the left as seen by who looks at it: means of 4 × 4 directions a texel, weighted by their solid angles.
+    #[expect(clippy::cast_possible_truncation, reason = "radiance is f32")]
+    pub fn of(environment: &Environment, rotation: f64) -> Self {
+        const FINE: usize = 4;
+        // The light turns one way, what is looked up the other.
+        let turn = DMat3::from_rotation_y(-rotation);
+        let radiance = (0..TEXELS).into_par_iter().map(|texel| {
+            let (face, row, column) = crate::cube::place(texel);
+            let (mut sum, mut total) = ([0.0_f64; 3], 0.0);
+            for fine in 0..FINE * FINE {
+                let across = middle(FINE * column + fine % FINE, FINE * SIDE);
+                let along = middle(FINE * row + fine / FINE, FINE * SIDE);
+                let direction: DVec3 = FACES[face].through(across, along);
+                let weight = direction.length_squared().powf(-1.5);
+                let radiance = environment.radiance(turn * direction.normalize()).channels();
+                sum.iter_mut().zip(radiance).for_each(|(sum, v)| *sum += weight * v);
+                total += weight;
+            }
+            sum.map(|v| (v / total) as f32)
+        });
+        Self { radiance: radiance.collect() }
+    }
+
+    /// The same radiance from everywhere.
+    pub fn uniform(radiance: [f32; 3]) -> Self {
+        Self { radiance: vec![radiance; TEXELS] }
+    }
+
+    /// Wavelet coefficients, by a rule.
+    pub fn coefficients(&self, rule: LightRule) -> LitCoefficients {
+        let mut values: Vec<f32> = self.radiance.as_flattened().to_vec();
+        let mut scratch = vec![0.0; 3 * FACE_TEXELS];
+        for face in values.chunks_exact_mut(3 * FACE_TEXELS) {
+            haar::transform(face, 3, &mut scratch);
+        }
+        let values = values.as_chunks::<3>().0;
+        let places: Vec<usize> = match rule {
+            LightRule::All => (0..TEXELS).filter(|at| values[*at] != [0.0; 3]).collect(),
+            LightRule::Paper => {
+                let size = |value: &[f32; 3]| value.iter().fold(0.0_f32, |m, v| m.max(v.abs()));
+                let largest = values.iter().map(size).fold(0.0, f32::max);
+                let is_kept = |at: &usize| {
+                    let code = (size(&values[*at]) / largest * 32767.0).round();
+                    largest > 0.0 && code >= 1024.0
+                };
+                (0..TEXELS).filter(is_kept).collect()
+            }
+            LightRule::Energy => by_energy(values),
+        };
+        LitCoefficients {
+            values: places.iter().map(|at| values[*at]).collect(),
+            places: places.iter().map(|at| u16::try_from(*at).unwrap_or(u16::MAX)).collect(),
+        }
+    }
+}
+
+fn by_energy(values: &[[f32; 3]]) -> Vec<usize> {
+    let energy = |at: &usize| values[*at].iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
+    let mut order: Vec<usize> = (0..values.len()).filter(|at| energy(at) > 0.0).collect();
+    order.sort_by(|a, b| energy(b).total_cmp(&energy(a)).then(a.cmp(b)));
+    // The brightest would hold all of it alone where a lamp is in the sky.
+    let brightest = (TEXELS / 100).min(order.len());
+    let rest: f64 = order[brightest..].iter().map(energy).sum();
+    let mut held = 0.0;
+    let more = order[brightest..].iter().take_while(|at| {
+        let is_missing = held < HELD * rest;
+        held += energy(at);
+        is_missing
+    });
+    let count = (brightest + more.count()).clamp(LEAST, MOST).min(order.len());
+    order.truncate(count);
+    order.sort_unstable();
+    order
+}
+
+impl LitCoefficients {
+    /// Which coefficients, ascending.
+    pub fn places(&self) -> &[u16] {
+        &self.places
+    }
+
+    /// Their red, green and blue.
+    pub fn values(&self) -> &[[f32; 3]] {
+        &self.values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lamp(column: usize) -> Environment {
+        let mut texels = vec![[0.01; 3]; 64 * 32];
+        for row in 14..18 {
+            texels[row * 64 + column] = [20.0, 10.0, 5.0];
+        }
+        Environment::new(64, 32, texels).unwrap()
+    }
+
+    #[test]
+    fn energy_is_that_of_the_radiance() {
+        let light = CubeLight::of(&lamp(40), 0.0);
+        let all = light.coefficients(LightRule::All);
+        let energy = |values: &[[f32; 3]]| -> f64 {
+            values.as_flattened().iter().map(|v| f64::from(*v).powi(2)).sum()
+        };
+        assert!((energy(all.values()) / energy(&light.radiance) - 1.0).abs() < 1e-5, "Parseval");
+        for (rule, least, most) in [(LightRule::Paper, 1, 600), (LightRule::Energy, 50, 1000)] {
+            let some = light.coefficients(rule);
+            assert!(
+                (least..=most).contains(&some.places().len()),
+                "{rule:?}: {}",
+                some.places().len()
+            );
+            assert!(energy(some.values()) > 0.95 * energy(all.values()), "{rule:?}");
+            assert!(some.places().is_sorted());
+        }
+    }
+
+    #[test]
+    fn a_lamp_stands_where_the_environment_has_it_and_turns() {
+        let brightest = |light: &CubeLight| {
+            let mean = (0..TEXELS).map(|texel| {
+                f64::from(light.radiance[texel][0]).powi(2) * crate::cube::direction(texel)
+            });
+            mean.sum::<DVec3>().normalize()
+        };
+        // Columns grow from +z over −x, −z (the middle) and +x.
+        let right = brightest(&CubeLight::of(&lamp(48), 0.0));
+        assert!(right.x > 0.98, "{right}");
+        let turned = brightest(&CubeLight::of(&lamp(48), std::f64::consts::FRAC_PI_2));
+        assert!(turned.z < -0.98, "a quarter to the left: {turned}");
+    }
+}

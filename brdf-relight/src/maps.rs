@@ -1,0 +1,171 @@
+//! Textures over the hemisphere, read by the thousand.
+
+use brdf_param::{HemisphereMap, Parametrization};
+use brdf_separable::{Chart, SeparableBrdf, ValueMap};
+use glam::Vec3;
+
+use crate::RelightError;
+
+/// Textures over the orthographic disc: all terms and channels of a texel stand together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapStack {
+    resolution: usize,
+    width: usize,
+    texels: Vec<f32>,
+}
+
+impl MapStack {
+    /// Textures of `resolution`² texels of `width` values, `[row][column][value]`.
+    ///
+    /// # Errors
+    ///
+    /// [`RelightError::Brdf`] unless there are as many finite values.
+    pub fn new(resolution: usize, width: usize, texels: Vec<f32>) -> Result<Self, RelightError> {
+        let is_whole = resolution > 1 && width > 0 && texels.len() == resolution.pow(2) * width;
+        if !is_whole || !texels.iter().all(|v| v.is_finite()) {
+            return Err(RelightError::Brdf {
+                found: format!("{} values for {resolution}² texels of {width}", texels.len()),
+                expected: "as many finite values as texels have",
+            });
+        }
+        Ok(Self { resolution, width, texels })
+    }
+
+    /// The same value in every direction.
+    pub fn constant(values: &[f32]) -> Self {
+        Self { resolution: 2, width: values.len(), texels: values.repeat(4) }
+    }
+
+    /// Texels along a side.
+    pub fn resolution(&self) -> usize {
+        self.resolution
+    }
+
+    /// Values of a texel.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// All values, `[row][column][value]`.
+    pub fn texels(&self) -> &[f32] {
+        &self.texels
+    }
+
+    /// Values in a unit direction of the frame of the surface, times `share`; linear between texels.
+    ///
+    /// # Panics
+    ///
+    /// Unless `out` is as long as a texel.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positions are brought into the texture first"
+    )]
+    pub fn read(&self, local: Vec3, share: f32, out: &mut [f32]) {
+        assert_eq!(out.len(), self.width, "room for a texel");
+        let size = self.resolution;
+        let last = (size - 1) as f32;
+        let position = |v: f32| (0.5 * (v + 1.0) * size as f32 - 0.5).clamp(0.0, last);
+        let (x, y) = (position(local.x), position(local.y));
+        let (column, row) = ((x as usize).min(size - 2), (y as usize).min(size - 2));
+        let (u, v) = (x - column as f32, y - row as f32);
+        let first = (row * size + column) * self.width;
+        let above = &self.texels[first..][..2 * self.width];
+        let below = &self.texels[first + size * self.width..][..2 * self.width];
+        let (a, b) = above.split_at(self.width);
+        let (c, d) = below.split_at(self.width);
+        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+        let [wa, wb, wc, wd] = weights.map(|weight| share * weight);
+        for (i, value) in out.iter_mut().enumerate() {
+            *value = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i];
+        }
+    }
+}
+
+/// A separable BRDF as light maps and view maps: f(wi, wo) ≈ Σ_k g_k(wi) h_k(wo).
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrdfMaps {
+    /// g_k: one value a term, or three.
+    pub light: MapStack,
+    /// h_k: three values a term.
+    pub view: MapStack,
+    /// Number of terms.
+    pub terms: usize,
+}
+
+impl BrdfMaps {
+    /// The maps of a sum of products over light and view.
+    ///
+    /// # Errors
+    ///
+    /// [`RelightError::Brdf`] for other coordinates or value maps than [`crate::factor_for_relighting`] makes.
+    pub fn of(model: &SeparableBrdf) -> Result<Self, RelightError> {
+        let layout = model.layout();
+        let resolution = |chart: Chart| match chart {
+            Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution } => Some(resolution),
+            _ => None,
+        };
+        let is_linear = model.maps().iter().all(|map| *map == ValueMap::Linear);
+        let is_standard = layout.parametrization == Parametrization::Standard;
+        let sides = resolution(layout.first).zip(resolution(layout.second));
+        let (Some((light, view)), true, true) = (sides, is_linear, is_standard) else {
+            return Err(RelightError::Brdf {
+                found: "other coordinates or a value map".to_owned(),
+                expected: "linear values over the orthographic discs of light and view",
+            });
+        };
+        let (terms, channels) = (model.rank(), model.maps().len());
+        let narrow = model.first_channels();
+        // One channel stands for three.
+        let widened = |texels: &[f32], signs: Option<&[f32]>| -> Vec<f32> {
+            let texel = |texel: &[f32]| {
+                let mut wide = vec![0.0; 3 * terms];
+                for (at, value) in wide.iter_mut().enumerate() {
+                    let from = if channels == 3 { at } else { at / 3 };
+                    *value = texel[from] * signs.map_or(1.0, |signs| signs[from]);
+                }
+                wide
+            };
+            texels.chunks_exact(terms * channels).flat_map(texel).collect()
+        };
+        let view_texels = match model.second() {
+            Some(texels) => widened(texels, None),
+            None => widened(model.first(), model.signs()),
+        };
+        let light = MapStack::new(light, terms * narrow, model.first().to_vec())?;
+        Self::new(light, MapStack::new(view, 3 * terms, view_texels)?, terms)
+    }
+
+    /// Maps of so many terms.
+    ///
+    /// # Errors
+    ///
+    /// [`RelightError::Brdf`] unless light maps have one or three values a term, and view maps three.
+    pub fn new(light: MapStack, view: MapStack, terms: usize) -> Result<Self, RelightError> {
+        let is_light = terms > 0 && [terms, 3 * terms].contains(&light.width());
+        if !is_light || view.width() != 3 * terms {
+            let (light, view) = (light.width(), view.width());
+            return Err(RelightError::Brdf {
+                found: format!("{light} and {view} values a texel for {terms} terms"),
+                expected: "one or three of light and three of view for each",
+            });
+        }
+        Ok(Self { light, view, terms })
+    }
+
+    /// A diffuse surface of this albedo.
+    pub fn diffuse(albedo: f32) -> Self {
+        Self {
+            light: MapStack::constant(&[1.0]),
+            view: MapStack::constant(&[albedo / std::f32::consts::PI; 3]),
+            terms: 1,
+        }
+    }
+
+    /// Values of a term's light map: one, or three.
+    pub fn light_channels(&self) -> usize {
+        self.light.width() / self.terms
+    }
+}

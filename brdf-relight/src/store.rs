@@ -1,0 +1,244 @@
+//! Kept coefficients of many vertices, ordered for relighting.
+//!
+//! Light has few coefficients, so that coefficients stand together, not vectors: in blocks of 8,192 vectors, for each
+//! coefficient the vectors that keep it.
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
+use crate::RelightError;
+use crate::coefficients::Coding;
+use crate::cube::TEXELS;
+use crate::light::LitCoefficients;
+use crate::transport::SparseVectors;
+
+/// Vectors of a block; their numbers within it fit sixteen bits.
+pub const BLOCK: usize = 8192;
+
+/// Sparse vectors by coefficient. Borrowed arrays may lie in a mapped file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SparseTransport<'a> {
+    coding: Coding,
+    /// Of each vector, what its codes are multiplied by.
+    scales: Cow<'a, [f32]>,
+    /// Of each block and coefficient, the first entry; one more at the end of each block.
+    offsets: Cow<'a, [u32]>,
+    /// Numbers of vectors within their block.
+    owners: Cow<'a, [u16]>,
+    codes: Codes<'a>,
+}
+
+/// Codes of entries.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Codes<'a> {
+    /// Of [`Coding::Rgb`].
+    Rgb(Cow<'a, [u32]>),
+    /// Of [`Coding::Scalar`].
+    Scalar(Cow<'a, [u16]>),
+}
+
+impl Codes<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Rgb(codes) => codes.len(),
+            Self::Scalar(codes) => codes.len(),
+        }
+    }
+}
+
+impl SparseTransport<'static> {
+    /// Orders the vectors of vertices, each of which has the same number of terms.
+    pub fn of(coding: Coding, vertices: &[SparseVectors]) -> Self {
+        let scales: Vec<f32> =
+            vertices.iter().flat_map(|v| &v.largest).map(|v| v / coding.top()).collect();
+        // Where each vector's entries start within its vertex.
+        let vectors: Vec<(&SparseVectors, usize, usize)> = vertices
+            .iter()
+            .flat_map(|vertex| {
+                let ends = vertex.counts.iter().scan(0, |end, count| {
+                    let start = *end;
+                    *end += usize::from(*count);
+                    Some((vertex, start, *end))
+                });
+                ends.collect::<Vec<_>>()
+            })
+            .collect();
+        let blocks: Vec<(Vec<u32>, Vec<u16>, Vec<u32>)> =
+            vectors.par_chunks(BLOCK).map(ordered).collect();
+        let (mut offsets, mut owners, mut codes) = (Vec::new(), Vec::new(), Vec::new());
+        for (starts, own, code) in blocks {
+            let base = u32::try_from(owners.len()).unwrap_or(u32::MAX);
+            offsets.extend(starts.into_iter().map(|start| base + start));
+            owners.extend(own);
+            codes.extend(code);
+        }
+        let codes = match coding {
+            Coding::Rgb => Codes::Rgb(codes.into()),
+            Coding::Scalar => {
+                let low = |code: &u32| u16::try_from(code & 0xffff).unwrap_or(0);
+                Codes::Scalar(codes.iter().map(low).collect::<Vec<_>>().into())
+            }
+        };
+        Self {
+            coding,
+            scales: scales.into(),
+            offsets: offsets.into(),
+            owners: owners.into(),
+            codes,
+        }
+    }
+}
+
+/// The entries of a block by coefficient: starts, owners, codes.
+fn ordered(vectors: &[(&SparseVectors, usize, usize)]) -> (Vec<u32>, Vec<u16>, Vec<u32>) {
+    let mut starts = vec![0_u32; TEXELS + 1];
+    let entries = |(vertex, start, end): &(&SparseVectors, usize, usize)| {
+        *start..(*end).min(vertex.places.len())
+    };
+    for vector in vectors {
+        for at in entries(vector) {
+            starts[usize::from(vector.0.places[at]) + 1] += 1;
+        }
+    }
+    for at in 0..TEXELS {
+        starts[at + 1] += starts[at];
+    }
+    let total = starts[TEXELS] as usize;
+    let (mut owners, mut codes) = (vec![0; total], vec![0; total]);
+    let mut next = starts.clone();
+    for (number, vector) in vectors.iter().enumerate() {
+        for at in entries(vector) {
+            let place = &mut next[usize::from(vector.0.places[at])];
+            owners[*place as usize] = u16::try_from(number).unwrap_or(u16::MAX);
+            codes[*place as usize] = vector.0.codes[at];
+            *place += 1;
+        }
+    }
+    (starts, owners, codes)
+}
+
+impl<'a> SparseTransport<'a> {
+    /// From its arrays, as [`SparseTransport::parts`] gives them.
+    ///
+    /// # Errors
+    ///
+    /// [`RelightError::Transport`] unless they fit together: offsets that ascend to the number of entries, owners within
+    /// their block, finite scales.
+    pub fn new(
+        scales: Cow<'a, [f32]>,
+        offsets: Cow<'a, [u32]>,
+        owners: Cow<'a, [u16]>,
+        codes: Codes<'a>,
+    ) -> Result<Self, RelightError> {
+        let refuse = |found: String, expected| Err(RelightError::Transport { found, expected });
+        let (vectors, entries) = (scales.len(), owners.len());
+        if codes.len() != entries {
+            return refuse(format!("{} codes of {entries} entries", codes.len()), "as many");
+        }
+        if offsets.len() != vectors.div_ceil(BLOCK) * (TEXELS + 1) {
+            return refuse(format!("{} offsets", offsets.len()), "24,577 for each 8,192 vectors");
+        }
+        let ascends = offsets.windows(2).all(|pair| pair[0] <= pair[1]);
+        let first = offsets.first().is_none_or(|first| *first == 0);
+        let last = offsets.last().map_or(0, |last| *last as usize);
+        if !(ascends && first && last == entries) {
+            return refuse(
+                format!("offsets up to {last}"),
+                "offsets that ascend from 0 to the number of entries",
+            );
+        }
+        for (block, starts) in offsets.chunks_exact(TEXELS + 1).enumerate() {
+            let own = &owners[starts[0] as usize..starts[TEXELS] as usize];
+            let count = (vectors - block * BLOCK).min(BLOCK);
+            let next = offsets.get((block + 1) * (TEXELS + 1));
+            if own.iter().any(|owner| usize::from(*owner) >= count)
+                || next.is_some_and(|next| *next != starts[TEXELS])
+            {
+                return refuse(
+                    format!("an entry beyond block {block}"),
+                    "entries of vectors of their block",
+                );
+            }
+        }
+        if !scales.iter().all(|scale| scale.is_finite()) {
+            return refuse("a scale that is not finite".to_owned(), "finite scales");
+        }
+        let coding = match codes {
+            Codes::Rgb(_) => Coding::Rgb,
+            Codes::Scalar(_) => Coding::Scalar,
+        };
+        Ok(Self { coding, scales, offsets, owners, codes })
+    }
+
+    /// Scales, offsets, owners and codes.
+    pub fn parts(&self) -> (&[f32], &[u32], &[u16], &Codes<'a>) {
+        (&self.scales, &self.offsets, &self.owners, &self.codes)
+    }
+
+    /// How values are stored.
+    pub fn coding(&self) -> Coding {
+        self.coding
+    }
+
+    /// Number of vectors: vertices times terms.
+    pub fn vectors(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// Number of kept coefficients.
+    pub fn entries(&self) -> usize {
+        self.owners.len()
+    }
+
+    /// Bytes as stored: entries, scales and offsets.
+    pub fn bytes(&self) -> usize {
+        (2 + self.coding.bytes()) * self.entries() + 4 * (self.scales.len() + self.offsets.len())
+    }
+
+    /// Products of all vectors with light, red, green and blue for each, into `out`.
+    ///
+    /// # Panics
+    ///
+    /// Unless `out` has room for each vector.
+    pub fn relight(&self, light: &LitCoefficients, out: &mut [[f32; 3]]) {
+        assert_eq!(out.len(), self.vectors(), "room for each vector");
+        let blocks = out.par_chunks_mut(BLOCK).zip(self.scales.par_chunks(BLOCK));
+        blocks.enumerate().for_each(|(block, (out, scales))| {
+            let starts = &self.offsets[block * (TEXELS + 1)..][..TEXELS + 1];
+            out.fill([0.0; 3]);
+            match &self.codes {
+                Codes::Rgb(codes) => {
+                    self.add(light, starts, |at| Coding::Rgb.decode(codes[at]), out);
+                }
+                Codes::Scalar(codes) => {
+                    self.add(light, starts, |at| Coding::Scalar.decode(codes[at].into()), out);
+                }
+            }
+            for (value, scale) in out.iter_mut().zip(scales) {
+                *value = value.map(|v| v * scale);
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn add(
+        &self,
+        light: &LitCoefficients,
+        starts: &[u32],
+        decode: impl Fn(usize) -> [f32; 3],
+        out: &mut [[f32; 3]],
+    ) {
+        for (place, radiance) in light.places().iter().zip(light.values()) {
+            let place = usize::from(*place);
+            let entries = starts[place] as usize..starts[place + 1] as usize;
+            for at in entries {
+                let value = decode(at);
+                let sum = &mut out[usize::from(self.owners[at])];
+                for channel in 0..3 {
+                    sum[channel] += value[channel] * radiance[channel];
+                }
+            }
+        }
+    }
+}

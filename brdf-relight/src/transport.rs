@@ -1,0 +1,205 @@
+//! What of the sky reaches a vertex and how much it counts for each term.
+
+use glam::{DVec3, Mat3, Vec3};
+
+use crate::bundle::Occluder;
+use crate::coefficients::{Coding, Selection, magnitudes};
+use crate::cube::{FACE_TEXELS, TEXELS, direction, solid_angle};
+use crate::frame::tangent_frame;
+use crate::haar;
+use crate::maps::MapStack;
+use crate::visibility::{Quality, Visibility};
+
+/// A vertex: where it is looked from, and its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// A little above the surface.
+    pub position: DVec3,
+    /// Unit.
+    pub normal: DVec3,
+}
+
+/// Kept coefficients of one vertex, term after term.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SparseVectors {
+    /// Largest magnitude of any channel, for each term.
+    pub largest: Vec<f32>,
+    /// How many coefficients each term keeps.
+    pub counts: Vec<u16>,
+    /// Which, in order, term after term.
+    pub places: Vec<u16>,
+    /// Their values as codes.
+    pub codes: Vec<u32>,
+}
+
+/// Texels of the sky as f32.
+#[derive(Clone, Debug)]
+pub struct Sky {
+    directions: Vec<Vec3>,
+    solid_angles: Vec<f32>,
+}
+
+impl Default for Sky {
+    #[expect(clippy::cast_possible_truncation, reason = "transport is f32")]
+    fn default() -> Self {
+        Self {
+            directions: (0..TEXELS).map(|texel| direction(texel).as_vec3()).collect(),
+            solid_angles: (0..TEXELS).map(|texel| solid_angle(texel) as f32).collect(),
+        }
+    }
+}
+
+impl Sky {
+    /// Unit directions of all texels.
+    pub fn directions(&self) -> &[Vec3] {
+        &self.directions
+    }
+
+    /// Steradians of all texels.
+    pub fn solid_angles(&self) -> &[f32] {
+        &self.solid_angles
+    }
+}
+
+/// Memory of one vertex' transport, used again for the next.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    /// What it sees.
+    pub visibility: Visibility,
+    /// `[texel or coefficient][term, channel]`.
+    values: Vec<f32>,
+    /// Faces that hold anything but zeros.
+    lit: [bool; 6],
+    scratch: Vec<f32>,
+    magnitudes: Vec<f32>,
+    selection: Selection,
+    places: Vec<u16>,
+}
+
+impl Workspace {
+    /// For light maps of so many values a texel.
+    pub fn new(width: usize) -> Self {
+        Self {
+            visibility: Visibility::default(),
+            values: vec![0.0; TEXELS * width],
+            lit: [false; 6],
+            scratch: vec![0.0; FACE_TEXELS * width],
+            magnitudes: vec![0.0; TEXELS],
+            selection: Selection::default(),
+            places: Vec::new(),
+        }
+    }
+
+    /// Solid angle times visible share times cosine times light maps, for each texel of the sky: `[texel][value]`.
+    /// Times radiance and summed it is what each term receives (Eq. 3, with the cosine).
+    ///
+    /// # Panics
+    ///
+    /// Unless the light maps are as wide as the workspace.
+    pub fn transport(
+        &mut self,
+        sky: &Sky,
+        occluder: &Occluder,
+        site: &Site,
+        light: &MapStack,
+        quality: Quality,
+    ) -> &[f32] {
+        self.visibility.look(occluder, site.position, site.normal, quality);
+        self.weigh(sky, site.normal, light);
+        &self.values
+    }
+
+    /// The same for the visibility that is there.
+    fn weigh(&mut self, sky: &Sky, normal: DVec3, light: &MapStack) {
+        let width = light.width();
+        assert_eq!(self.values.len(), TEXELS * width, "room for the light maps");
+        for face in 0..6 {
+            let texels = face * FACE_TEXELS..(face + 1) * FACE_TEXELS;
+            let shares = &self.visibility.shares()[texels.clone()];
+            let was_lit = self.lit[face];
+            self.lit[face] = shares.iter().any(|share| *share > 0);
+            let values = &mut self.values[texels.start * width..texels.end * width];
+            if !self.lit[face] {
+                if was_lit {
+                    values.fill(0.0);
+                }
+                continue;
+            }
+            pulp::Arch::new().dispatch(Weigh {
+                frame: tangent_frame(normal).as_mat3(),
+                directions: &sky.directions[texels.clone()],
+                solid_angles: &sky.solid_angles[texels],
+                shares,
+                light,
+                values,
+            });
+        }
+    }
+
+    /// Wavelet coefficients of the transport that [`Workspace::transport`] made, in its place.
+    pub fn transform(&mut self) -> &[f32] {
+        let width = self.values.len() / TEXELS;
+        for (face, values) in self.values.chunks_exact_mut(FACE_TEXELS * width).enumerate() {
+            if self.lit[face] {
+                haar::transform(values, width, &mut self.scratch);
+            }
+        }
+        &self.values
+    }
+
+    /// The `count` largest coefficients of each of so many terms.
+    pub fn select(&mut self, terms: usize, count: usize) -> SparseVectors {
+        let width = self.values.len() / TEXELS;
+        let channels = width / terms;
+        let coding = Coding::of(channels);
+        let mut kept = SparseVectors::default();
+        for term in 0..terms {
+            let first = term * channels;
+            magnitudes(&self.values, width, first, channels, &mut self.magnitudes);
+            self.selection.largest(&self.magnitudes, count, &mut self.places);
+            let of = |place: u16| &self.values[usize::from(place) * width + first..][..channels];
+            let all = self.places.iter().flat_map(|place| of(*place));
+            let largest = all.fold(0.0_f32, |most, v| most.max(v.abs()));
+            let before = kept.places.len();
+            for place in &self.places {
+                let code = coding.encode(of(*place), largest);
+                if code != 0 {
+                    kept.places.push(*place);
+                    kept.codes.push(code);
+                }
+            }
+            kept.largest.push(largest);
+            kept.counts.push(u16::try_from(kept.places.len() - before).unwrap_or(u16::MAX));
+        }
+        kept
+    }
+}
+
+struct Weigh<'a> {
+    frame: Mat3,
+    directions: &'a [Vec3],
+    solid_angles: &'a [f32],
+    shares: &'a [u8],
+    light: &'a MapStack,
+    values: &'a mut [f32],
+}
+
+impl pulp::NullaryFnOnce for Weigh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let to_local = self.frame.transpose();
+        let texels = self.directions.iter().zip(self.solid_angles).zip(self.shares);
+        let values = self.values.chunks_exact_mut(self.light.width());
+        for (((direction, solid_angle), share), values) in texels.zip(values) {
+            if *share == 0 {
+                values.fill(0.0);
+                continue;
+            }
+            let local = to_local * *direction;
+            let weight = solid_angle * local.z.max(0.0) * f32::from(*share) / 16.0;
+            self.light.read(local, weight, values);
+        }
+    }
+}
