@@ -76,7 +76,9 @@ impl Occluder {
                 Aabb::new(Vec3A::from(a.min(*b).min(*c)), Vec3A::from(a.max(*b).max(*c)))
             })
             .collect();
-        let binary = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
+        // Each triangle alone: boxes tell which rays it can meet.
+        let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+        let binary = build_bvh2(&boxes, params, &mut Duration::default());
         let mut made = Self { nodes: Vec::new(), triangles: Vec::new(), centre, scale };
         if !binary.nodes.is_empty() {
             made.adopt(&binary, 0, &corners);
@@ -132,7 +134,7 @@ impl Occluder {
         ((position - self.centre) * self.scale).as_vec3()
     }
 
-    /// The rays of a tile that meet a triangle, besides those already `covered`; bit 8 row + column.
+    /// The rays of a tile that meet a triangle, besides those already `covered`; bit 8 column + row.
     pub fn cover(&self, origin: Vec3, tile: &Tile, covered: u64) -> u64 {
         pulp::Arch::new().dispatch(Cover { occluder: self, origin, tile, covered })
     }
@@ -176,13 +178,12 @@ impl Axis {
         let (low, high) = (&node.low[self.axis], &node.high[self.axis]);
         let at = origin[self.axis];
         let (near, far) = if self.sign > 0.0 { (low, high) } else { (high, low) };
-        [near, far].map(|side| {
-            let mut bound = [0.0; WIDTH];
-            for lane in 0..WIDTH {
-                bound[lane] = self.sign * (side[lane] - at);
-            }
-            bound
-        })
+        let mut bounds = [[0.0; WIDTH]; 2];
+        for lane in 0..WIDTH {
+            bounds[0][lane] = self.sign * (near[lane] - at);
+            bounds[1][lane] = self.sign * (far[lane] - at);
+        }
+        bounds
     }
 
     #[inline(always)]
@@ -208,39 +209,40 @@ impl pulp::NullaryFnOnce for Cover<'_> {
     #[inline(always)]
     fn call(self) -> u64 {
         let Self { occluder, origin, tile, mut covered } = self;
-        let [right, down, out] = AXES[tile.face];
-        let across = places(tile.first[1], tile.side);
-        let along = places(tile.first[0], tile.side);
-        let limits = [across[0], across[TILE - 1], along[0], along[TILE - 1]];
         if occluder.nodes.is_empty() {
             return covered;
         }
-        let mut stack = [0_u32; 256];
-        let mut depth = 1;
-        while depth > 0 && covered != u64::MAX {
-            depth -= 1;
-            let node = &occluder.nodes[stack[depth] as usize];
-            let x = right.bounds(node, origin);
-            let y = down.bounds(node, origin);
-            let z = out.bounds(node, origin);
-            let reached = reached(&x, &y, &z, &limits);
-            for (child, reached) in reached.into_iter().enumerate() {
-                if reached <= 0.0 {
+        let axes = AXES[tile.face];
+        let rays = Rays::of(tile);
+        let mut stack = vec![(0_u32, 0.0)];
+        while let Some((entry, _)) = stack.pop() {
+            if covered == u64::MAX {
+                break;
+            }
+            let node = &occluder.nodes[entry as usize];
+            let x = axes[0].bounds(node, origin);
+            let y = axes[1].bounds(node, origin);
+            let z = axes[2].bounds(node, origin);
+            let windows = rays.windows(&x, &y, &z);
+            let first = stack.len();
+            for child in 0..WIDTH {
+                if windows[child] & !covered == 0 {
                     continue;
                 }
                 let entry = node.children[child];
                 if entry & LEAF == 0 {
-                    stack[depth] = entry;
-                    depth += 1;
+                    // The nearest last, so that it is next: it covers more than what lies behind it.
+                    stack.push((entry, z[0][child]));
+                    let mut at = stack.len() - 1;
+                    while at > first && stack[at - 1].1 < stack[at].1 {
+                        stack.swap(at - 1, at);
+                        at -= 1;
+                    }
                     continue;
                 }
                 let first = (entry & !LEAF) as usize;
                 for corners in &occluder.triangles[first..first + node.counts[child] as usize] {
-                    let corners = corners.map(|corner| {
-                        let v = corner - origin;
-                        Vec3::new(right.read(v), down.read(v), out.read(v))
-                    });
-                    covered |= drawn(corners, &across, &along);
+                    covered |= rays.drawn(axes, origin, corners);
                 }
             }
         }
@@ -248,75 +250,140 @@ impl pulp::NullaryFnOnce for Cover<'_> {
     }
 }
 
-/// Where rays of a tile go through their face.
+/// Where the rays of a tile go through their face.
+struct Rays {
+    across: Lanes,
+    along: Lanes,
+    /// Places between one ray and the next, the other way round.
+    per_place: f32,
+}
+
+/// As vector instructions have them; for numbers.
 #[inline(always)]
-fn places(first: usize, side: usize) -> Lanes {
+fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The nearest whole number to one from 0 to 8, of two the even one.
+#[inline(always)]
+fn rounded(v: f32) -> u32 {
+    // Beyond 2²³ floats are whole.
+    (v + 8_388_608.0).to_bits() & 0xf
+}
+
+/// The first rows of a column, and the first columns of a tile, by their number.
+const FIRST: [u64; 9] = [0, 0x1, 0x3, 0x7, 0xf, 0x1f, 0x3f, 0x7f, 0xff];
+const FIRST_COLUMNS: [u64; 9] = {
+    let mut masks = [u64::MAX; 9];
+    let mut count = 0;
+    while count < 8 {
+        masks[count] = (1 << (8 * count)) - 1;
+        count += 1;
+    }
+    masks
+};
+
+/// What rounding takes from a box that a ray grazes.
+const MARGIN: f32 = 1e-6;
+/// What it takes from the window of a box, in rays.
+const SLACK: f32 = 1e-3;
+
+impl Rays {
+    #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "coordinates are f32 here")]
-    std::array::from_fn(|at| middle(first + at, side) as f32)
-}
-
-/// Above 0 for boxes that may reach into a pyramid: for each of its planes, how far inside the box's innermost corner is.
-#[inline(always)]
-fn reached(x: &[Lanes; 2], y: &[Lanes; 2], z: &[Lanes; 2], limits: &[f32; 4]) -> Lanes {
-    // What rounding takes from a box that a ray grazes.
-    const MARGIN: f32 = 1e-6;
-    let [left, right, top, bottom] = *limits;
-    let mut inside = [0.0; WIDTH];
-    for lane in 0..WIDTH {
-        let (low, high) = (z[0][lane], z[1][lane]);
-        let planes = [
-            x[1][lane] - least(left, low, high),
-            most(right, low, high) - x[0][lane],
-            y[1][lane] - least(top, low, high),
-            most(bottom, low, high) - y[0][lane],
-        ];
-        let nearest = planes[0].min(planes[1]).min(planes[2].min(planes[3])) + MARGIN;
-        inside[lane] = if high > 0.0 { nearest } else { 0.0 };
+    #[expect(clippy::cast_precision_loss, reason = "faces have few rays")]
+    fn of(tile: &Tile) -> Self {
+        let places = |first| std::array::from_fn(|at| middle(first + at, tile.side) as f32);
+        Self {
+            across: places(tile.first[1]),
+            along: places(tile.first[0]),
+            per_place: 0.5 * tile.side as f32,
+        }
     }
-    inside
-}
 
-/// The least and the largest of a limit times a distance between two bounds.
-#[inline(always)]
-fn least(limit: f32, low: f32, high: f32) -> f32 {
-    if limit >= 0.0 { limit * low } else { limit * high }
-}
-
-#[inline(always)]
-fn most(limit: f32, low: f32, high: f32) -> f32 {
-    if limit >= 0.0 { limit * high } else { limit * low }
-}
-
-/// The rays that meet a triangle, in coordinates of the face.
-#[inline(always)]
-fn drawn(corners: [Vec3; 3], across: &Lanes, along: &Lanes) -> u64 {
-    let [a, b, c] = corners;
-    if a.z <= 0.0 && b.z <= 0.0 && c.z <= 0.0 {
-        return 0;
+    /// Which rays may meet each of eight boxes, bounded along right, down and out.
+    #[inline(always)]
+    fn windows(&self, x: &[Lanes; 2], y: &[Lanes; 2], z: &[Lanes; 2]) -> [u64; WIDTH] {
+        let [left, right] = self.range(x, z, self.across[0]);
+        let [top, bottom] = self.range(y, z, self.along[0]);
+        let mut windows = [0; WIDTH];
+        for lane in 0..WIDTH {
+            let is_reached = left[lane] < right[lane] && top[lane] < bottom[lane];
+            if is_reached && z[1][lane] > 0.0 {
+                let rows = FIRST[bottom[lane] as usize] & !FIRST[top[lane] as usize] & 0xff;
+                let columns =
+                    FIRST_COLUMNS[right[lane] as usize] & !FIRST_COLUMNS[left[lane] as usize];
+                windows[lane] = (rows * 0x0101_0101_0101_0101) & columns;
+            }
+        }
+        windows
     }
-    let edges = [a.cross(b), b.cross(c), c.cross(a)];
-    // The side on which the origin's triangle is seen.
-    let turn = edges[0].dot(c);
-    if turn == 0.0 {
-        return 0;
+
+    /// Along one axis of the face, the first ray that may meet each of eight boxes, and the first beyond those.
+    #[inline(always)]
+    fn range(&self, side: &[Lanes; 2], z: &[Lanes; 2], first: f32) -> [[u32; WIDTH]; 2] {
+        let mut range = [[0; WIDTH]; 2];
+        for lane in 0..WIDTH {
+            let (near, far) = (z[0][lane], z[1][lane]);
+            let (low, high) = (side[0][lane], side[1][lane]);
+            let [by_near, by_far] = [1.0 / near, 1.0 / far];
+            let from = (min(low * by_near, low * by_far) - first) * self.per_place - SLACK;
+            let to = (max(high * by_near, high * by_far) - first) * self.per_place + SLACK;
+            // A box around the origin's plane may be anywhere.
+            let is_before = near > MARGIN;
+            let from = if is_before { from } else { 0.0 };
+            let to = if is_before { to } else { 8.0 };
+            // Nowhere, if all of it is outside the planes of the outermost rays; both limits are met where it is widest.
+            let reach = max(-first * near, -first * far);
+            let last = first + 7.0 / self.per_place;
+            let over = max(last * near, last * far);
+            let is_out = high + reach < -MARGIN || over - low < -MARGIN;
+            let to = if is_out { -1.0 } else { to };
+            range[0][lane] = rounded(min(max(from + 0.5, 0.0), 8.0));
+            range[1][lane] = rounded(min(max(to + 0.5, 0.0), 8.0));
+        }
+        range
     }
-    let sign = turn.signum();
-    let edges = edges.map(|edge| sign * edge);
-    let mut bits = 0;
-    for row in 0..TILE {
-        let mut inside = [0.0_f32; TILE];
-        let y = along[row];
-        let [p, q, r] = edges.map(|edge| edge.y * y + edge.z);
+
+    /// The rays from an origin that meet a triangle, by axes of their face.
+    #[inline(always)]
+    fn drawn(&self, axes: [Axis; 3], origin: Vec3, corners: &[Vec3; 3]) -> u64 {
+        let mut local = [Vec3::ZERO; 3];
+        for (local, corner) in local.iter_mut().zip(corners) {
+            let v = *corner - origin;
+            *local = Vec3::new(axes[0].read(v), axes[1].read(v), axes[2].read(v));
+        }
+        let [a, b, c] = local;
+        let mut edges = [a.cross(b), b.cross(c), c.cross(a)];
+        // From which side the origin sees it.
+        let turn = edges[0].dot(c);
+        if turn == 0.0 {
+            return 0;
+        }
+        for edge in &mut edges {
+            *edge *= turn.signum();
+        }
+        let mut columns = [0_u32; TILE];
+        for row in 0..TILE {
+            let y = self.along[row];
+            let p = edges[0].y * y + edges[0].z;
+            let q = edges[1].y * y + edges[1].z;
+            let r = edges[2].y * y + edges[2].z;
+            for column in 0..TILE {
+                let x = self.across[column];
+                let least = min(min(edges[0].x * x + p, edges[1].x * x + q), edges[2].x * x + r);
+                columns[column] |= if least >= 0.0 { 1 << row } else { 0 };
+            }
+        }
+        let mut mask = 0;
         for column in 0..TILE {
-            let x = across[column];
-            let least = (edges[0].x * x + p).min(edges[1].x * x + q).min(edges[2].x * x + r);
-            inside[column] = least;
+            mask |= u64::from(columns[column]) << (TILE * column);
         }
-        let mut line = 0_u64;
-        for (column, inside) in inside.iter().enumerate() {
-            line |= u64::from(*inside >= 0.0) << column;
-        }
-        bits |= line << (TILE * row);
+        mask
     }
-    bits
 }

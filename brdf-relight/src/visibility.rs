@@ -66,7 +66,7 @@ impl Visibility {
                     let tile = Tile { face, side: SIDE, first: [row, column] };
                     let seen = seen(occluder, origin, up, &tile);
                     for bit in 0..TILE * TILE {
-                        let texel = (face * SIDE + row + bit / TILE) * SIDE + column + bit % TILE;
+                        let texel = (face * SIDE + row + bit % TILE) * SIDE + column + bit / TILE;
                         self.shares[texel] = if seen >> bit & 1 == 1 { 16 } else { 0 };
                     }
                 }
@@ -103,7 +103,7 @@ impl Visibility {
             for row in (0..SIDE).step_by(step) {
                 for column in (0..SIDE).step_by(step) {
                     let texel = |bit: usize| {
-                        let (down, across) = (bit / TILE / FINE, bit % TILE / FINE);
+                        let (down, across) = (bit % TILE / FINE, bit / TILE / FINE);
                         (face * SIDE + row + down) * SIDE + column + across
                     };
                     let corners = [0, TILE - 1, TILE * (TILE - 1), TILE * TILE - 1];
@@ -149,6 +149,6 @@ fn below_horizon(up: Vec3, tile: &Tile) -> u64 {
     if corners.iter().all(|height| *height <= 0.0) {
         return u64::MAX;
     }
-    let bits = (0..TILE * TILE).filter(|bit| height(bit / TILE, bit % TILE) <= 0.0);
+    let bits = (0..TILE * TILE).filter(|bit| height(bit % TILE, bit / TILE) <= 0.0);
     bits.fold(0, |mask, bit| mask | 1 << bit)
 }
