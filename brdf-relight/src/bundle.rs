@@ -374,15 +374,14 @@ impl Rays {
             let p = edges[0].y * y + edges[0].z;
             let q = edges[1].y * y + edges[1].z;
             let r = edges[2].y * y + edges[2].z;
-            for column in 0..TILE {
-                let x = self.across[column];
+            for (bits, x) in columns.iter_mut().zip(self.across) {
                 let least = min(min(edges[0].x * x + p, edges[1].x * x + q), edges[2].x * x + r);
-                columns[column] |= if least >= 0.0 { 1 << row } else { 0 };
+                *bits |= if least >= 0.0 { 1 << row } else { 0 };
             }
         }
         let mut mask = 0;
-        for column in 0..TILE {
-            mask |= u64::from(columns[column]) << (TILE * column);
+        for (column, bits) in columns.into_iter().enumerate() {
+            mask |= u64::from(bits) << (TILE * column);
         }
         mask
     }

@@ -7,7 +7,7 @@
 //! Source: Wang, Tran and Luebke 2004.
 //!
 //! [`factor_for_relighting`] makes [`BrdfMaps`] of a BRDF, [`precompute`] a [`SparseTransport`] of a [`Surface`],
-//! [`CubeLight`] the light's coefficients, and [`picture`] a picture.
+//! a [`LightSampler`] the [`CubeLight`] of an environment, and [`picture`] a picture.
 
 mod bundle;
 mod coefficients;
@@ -32,7 +32,7 @@ pub use compare::{CompareParams, Split, compare};
 pub use error::RelightError;
 pub use factor::{LightMaps, MapParams, factor_for_relighting};
 pub use frame::tangent_frame;
-pub use light::{CubeLight, LightRule, LitCoefficients};
+pub use light::{CubeLight, LightRule, LightSampler, LitCoefficients};
 pub use maps::{BrdfMaps, MapStack};
 pub use raster::{Shot, picture};
 pub use scene::{Part, PrecomputeParams, RelitScene, precompute};

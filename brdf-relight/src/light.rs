@@ -1,7 +1,7 @@
 //! Environments as wavelet coefficients.
 
 use brdf_render::Environment;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -41,30 +41,73 @@ pub struct LitCoefficients {
     values: Vec<[f32; 3]>,
 }
 
-impl CubeLight {
-    /// An environment turned about the vertical by an angle in radians, to the left as seen by who looks at it: means of 4 × 4 directions a texel, weighted by their solid angles.
-    #[expect(clippy::cast_possible_truncation, reason = "radiance is f32")]
-    pub fn of(environment: &Environment, rotation: f64) -> Self {
-        const FINE: usize = 4;
-        // The light turns one way, what is looked up the other.
-        let turn = DMat3::from_rotation_y(-rotation);
-        let radiance = (0..TEXELS).into_par_iter().map(|texel| {
+/// Where the rays of each texel of the cube lie in lat-long maps, and their shares of the texel's solid angle: for light
+/// that changes often.
+#[derive(Clone, Debug)]
+pub struct LightSampler {
+    rays: Vec<[LightRay; RAYS]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct LightRay {
+    across: f32,
+    down: f32,
+    share: f32,
+}
+
+/// Rays along a side of a texel, and in all of it.
+const FINE: usize = 4;
+const RAYS: usize = FINE * FINE;
+
+impl Default for LightSampler {
+    #[expect(clippy::cast_possible_truncation, reason = "light is f32")]
+    fn default() -> Self {
+        let rays = (0..TEXELS).into_par_iter().map(|texel| {
             let (face, row, column) = crate::cube::place(texel);
-            let (mut sum, mut total) = ([0.0_f64; 3], 0.0);
-            for fine in 0..FINE * FINE {
+            let rays: [(DVec3, f64); RAYS] = std::array::from_fn(|fine| {
                 let across = middle(FINE * column + fine % FINE, FINE * SIDE);
                 let along = middle(FINE * row + fine / FINE, FINE * SIDE);
-                let direction: DVec3 = FACES[face].through(across, along);
-                let weight = direction.length_squared().powf(-1.5);
-                let radiance = environment.radiance(turn * direction.normalize()).channels();
-                sum.iter_mut().zip(radiance).for_each(|(sum, v)| *sum += weight * v);
-                total += weight;
-            }
-            sum.map(|v| (v / total) as f32)
+                let direction = FACES[face].through(across, along);
+                (direction.normalize(), direction.length_squared().powf(-1.5))
+            });
+            let total: f64 = rays.iter().map(|(_, weight)| weight).sum();
+            rays.map(|(direction, weight)| {
+                let [across, down] = Environment::place(direction).map(|v| v as f32);
+                LightRay { across, down, share: (weight / total) as f32 }
+            })
         });
-        Self { radiance: radiance.collect() }
+        Self { rays: rays.collect() }
     }
+}
 
+impl LightSampler {
+    /// An environment turned about the vertical by an angle in radians, counter-clockwise seen from above: means over each
+    /// texel.
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "places are brought into the map"
+    )]
+    pub fn light(&self, environment: &Environment, rotation: f64) -> CubeLight {
+        let ([width, height], texels) = (environment.size(), environment.texels());
+        // A turn about the vertical moves a map sideways.
+        let turn = (rotation / std::f64::consts::TAU).rem_euclid(1.0) as f32;
+        let at = |position: f32, count: usize| ((position * count as f32) as usize).min(count - 1);
+        let radiance = self.rays.par_iter().map(|rays| {
+            let mut sum = [0.0_f32; 3];
+            for ray in rays {
+                let column = at((ray.across + turn).fract(), width);
+                let texel = texels[at(ray.down, height) * width + column];
+                sum.iter_mut().zip(texel).for_each(|(sum, v)| *sum += ray.share * v);
+            }
+            sum
+        });
+        CubeLight { radiance: radiance.collect() }
+    }
+}
+
+impl CubeLight {
     /// The same radiance from everywhere.
     pub fn uniform(radiance: [f32; 3]) -> Self {
         Self { radiance: vec![radiance; TEXELS] }
@@ -79,7 +122,9 @@ impl CubeLight {
         }
         let values = values.as_chunks::<3>().0;
         let places: Vec<usize> = match rule {
-            LightRule::All => (0..TEXELS).filter(|at| values[*at] != [0.0; 3]).collect(),
+            LightRule::All => {
+                (0..TEXELS).filter(|at| values[*at].iter().any(|v| v.abs() > 0.0)).collect()
+            }
             LightRule::Paper => {
                 let size = |value: &[f32; 3]| value.iter().fold(0.0_f32, |m, v| m.max(v.abs()));
                 let largest = values.iter().map(size).fold(0.0, f32::max);
@@ -99,19 +144,26 @@ impl CubeLight {
 }
 
 fn by_energy(values: &[[f32; 3]]) -> Vec<usize> {
-    let energy = |at: &usize| values[*at].iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
-    let mut order: Vec<usize> = (0..values.len()).filter(|at| energy(at) > 0.0).collect();
-    order.sort_by(|a, b| energy(b).total_cmp(&energy(a)).then(a.cmp(b)));
+    let energies: Vec<f64> =
+        values.iter().map(|v| v.iter().map(|v| f64::from(*v).powi(2)).sum()).collect();
+    let mut order: Vec<usize> = (0..values.len()).filter(|at| energies[*at] > 0.0).collect();
+    let by_size = |a: &usize, b: &usize| energies[*b].total_cmp(&energies[*a]).then(a.cmp(b));
+    if order.len() > MOST {
+        order.select_nth_unstable_by(MOST, by_size);
+        order.truncate(MOST);
+    }
+    order.sort_unstable_by(by_size);
     // The brightest would hold all of it alone where a lamp is in the sky.
     let brightest = (TEXELS / 100).min(order.len());
-    let rest: f64 = order[brightest..].iter().map(energy).sum();
+    let total: f64 = energies.iter().sum();
+    let rest = total - order[..brightest].iter().map(|at| energies[*at]).sum::<f64>();
     let mut held = 0.0;
     let more = order[brightest..].iter().take_while(|at| {
         let is_missing = held < HELD * rest;
-        held += energy(at);
+        held += energies[**at];
         is_missing
     });
-    let count = (brightest + more.count()).clamp(LEAST, MOST).min(order.len());
+    let count = (brightest + more.count()).max(LEAST).min(order.len());
     order.truncate(count);
     order.sort_unstable();
     order
@@ -143,7 +195,7 @@ mod tests {
 
     #[test]
     fn energy_is_that_of_the_radiance() {
-        let light = CubeLight::of(&lamp(40), 0.0);
+        let light = LightSampler::default().light(&lamp(40), 0.0);
         let all = light.coefficients(LightRule::All);
         let energy = |values: &[[f32; 3]]| -> f64 {
             values.as_flattened().iter().map(|v| f64::from(*v).powi(2)).sum()
@@ -170,9 +222,10 @@ mod tests {
             mean.sum::<DVec3>().normalize()
         };
         // Columns grow from +z over −x, −z (the middle) and +x.
-        let right = brightest(&CubeLight::of(&lamp(48), 0.0));
+        let right = brightest(&LightSampler::default().light(&lamp(48), 0.0));
         assert!(right.x > 0.98, "{right}");
-        let turned = brightest(&CubeLight::of(&lamp(48), std::f64::consts::FRAC_PI_2));
+        let turned =
+            brightest(&LightSampler::default().light(&lamp(48), std::f64::consts::FRAC_PI_2));
         assert!(turned.z < -0.98, "a quarter to the left: {turned}");
     }
 }

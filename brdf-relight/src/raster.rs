@@ -2,7 +2,7 @@
 
 use brdf_model::Rgb;
 use brdf_render::{Camera, Film, Pixel};
-use glam::{DVec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::frame::tangent_frame;
@@ -19,8 +19,19 @@ pub struct Shot {
     pub points: usize,
 }
 
-/// A vertex in the picture: column, row, and one over the distance along the view.
-type Projected = Option<[f32; 3]>;
+/// A vertex in the picture.
+#[derive(Clone, Copy)]
+struct Projected {
+    column: f32,
+    row: f32,
+    /// One over the distance along the view; 0 behind the camera.
+    nearness: f32,
+    /// Whether its normal does not look away.
+    is_facing: bool,
+}
+
+/// Cosine between normal and view down to which a vertex faces the camera: smooth normals lean.
+const LEAST_FACING: f32 = -0.25;
 
 /// Rows of a band, which a thread draws.
 const BAND: usize = 16;
@@ -37,40 +48,51 @@ struct Point {
 }
 
 /// Draws parts as light made them, and counts points where the sum of products was below 0 and set to 0. View maps
-/// are read for each point, between the values of the corners.
+/// are read for each point, between the values of the corners. Triangles whose normals look away are not drawn.
 pub fn picture(parts: &[Part<'_>], relit: &RelitScene, shot: &Shot) -> (Film, usize) {
     let side = shot.size * shot.points;
     let projected: Vec<Vec<Projected>> = parts
         .iter()
         .map(|part| {
-            let of = |position: &glam::DVec3| project(&shot.camera, *position, side);
-            part.surface.positions.par_iter().map(of).collect()
+            let vertices = part.surface.positions.par_iter().zip(&part.shading_normals);
+            vertices.map(|(position, normal)| project(shot, *position, *normal)).collect()
         })
         .collect();
     let band = BAND * shot.points;
-    let bands = bins(parts, &projected, side, band);
-    let rows: Vec<(Vec<Pixel>, usize)> = bands
-        .par_iter()
+    let bins = bins(parts, &projected, side, band);
+    let mut pixels = vec![Pixel::Background; shot.size * shot.size];
+    let negative = pixels
+        .par_chunks_mut(BAND * shot.size)
         .enumerate()
-        .map(|(number, triangles)| {
+        .map(|(number, pixels)| {
             let first = number * band;
+            let triangles = bins.iter().flat_map(|bands| &bands[number]);
             let points = drawn(parts, &projected, triangles, first, side, band);
-            shaded(parts, relit, shot, &points, first)
+            shaded(parts, relit, shot, &points, first, pixels)
         })
-        .collect();
-    let negative = rows.iter().map(|(_, negative)| negative).sum();
-    let mut pixels: Vec<Pixel> = rows.into_iter().flat_map(|(pixels, _)| pixels).collect();
-    pixels.truncate(shot.size * shot.size);
+        .sum();
     (Film::new(shot.size, pixels), negative)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "places in a picture")]
-fn project(camera: &Camera, position: glam::DVec3, side: usize) -> Projected {
-    let (place, distance) = camera.project(position, side, side)?;
-    Some([place.x as f32, place.y as f32, (1.0 / distance) as f32])
+fn project(shot: &Shot, position: glam::DVec3, normal: Vec3) -> Projected {
+    let side = shot.size * shot.points;
+    let to_eye = (shot.camera.eye - position).as_vec3().normalize_or_zero();
+    match shot.camera.project(position, side, side) {
+        Some((place, distance)) => Projected {
+            column: place.x as f32,
+            row: place.y as f32,
+            nearness: (1.0 / distance) as f32,
+            is_facing: normal.dot(to_eye) > LEAST_FACING,
+        },
+        None => Projected { column: 0.0, row: 0.0, nearness: 0.0, is_facing: false },
+    }
 }
 
-/// For each band of so many rows of points the triangles that reach into it, as part and number.
+/// Triangles that are sorted into bands together.
+const CHUNK: usize = 8192;
+
+/// For each chunk of triangles and each band of so many rows of points, the triangles that reach into it, as part and number.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -82,30 +104,41 @@ fn bins(
     projected: &[Vec<Projected>],
     side: usize,
     band: usize,
-) -> Vec<Vec<(u32, u32)>> {
-    let mut bands = vec![Vec::new(); side.div_ceil(band)];
-    for (number, (part, places)) in (0..).zip(parts.iter().zip(projected)) {
-        for (triangle, corners) in (0..).zip(&part.surface.triangles) {
-            let Some([a, b, c]) = visible(places, corners) else { continue };
-            let top = a[1].min(b[1]).min(c[1]).max(0.0);
-            let bottom = a[1].max(b[1]).max(c[1]).min(side as f32 - 1.0);
-            let left = a[0].min(b[0]).min(c[0]);
-            let right = a[0].max(b[0]).max(c[0]);
+) -> Vec<Vec<Vec<(u32, u32)>>> {
+    let chunks: Vec<(u32, u32, &[[u32; 3]])> = (0..)
+        .zip(parts)
+        .flat_map(|(part, own)| {
+            let chunks = (0..).step_by(CHUNK).zip(own.surface.triangles.chunks(CHUNK));
+            chunks.map(move |(first, triangles)| (part, first, triangles))
+        })
+        .collect();
+    let sorted = chunks.into_par_iter().map(|(part, first, triangles)| {
+        let mut bands = vec![Vec::new(); side.div_ceil(band)];
+        for (number, corners) in (first..).zip(triangles) {
+            let Some([a, b, c]) = visible(&projected[part as usize], corners) else { continue };
+            let top = a.row.min(b.row).min(c.row).max(0.0);
+            let bottom = a.row.max(b.row).max(c.row).min(side as f32 - 1.0);
+            let left = a.column.min(b.column).min(c.column);
+            let right = a.column.max(b.column).max(c.column);
             if top > bottom || left > side as f32 || right < 0.0 {
                 continue;
             }
             for band in &mut bands[top as usize / band..=bottom as usize / band] {
-                band.push((number, triangle));
+                band.push((part, number));
             }
         }
-    }
-    bands
+        bands
+    });
+    sorted.collect()
 }
 
-/// A triangle before the camera, seen from either side.
-fn visible(places: &[Projected], corners: &[u32; 3]) -> Option<[[f32; 3]; 3]> {
-    let [a, b, c] = corners.map(|at| places[at as usize]);
-    Some([a?, b?, c?])
+/// The corners of a triangle before the camera that does not look away.
+#[inline(always)]
+fn visible(vertices: &[Projected], corners: &[u32; 3]) -> Option<[Projected; 3]> {
+    let [a, b, c] = *corners;
+    let [a, b, c] = [vertices[a as usize], vertices[b as usize], vertices[c as usize]];
+    let is_before = a.nearness > 0.0 && b.nearness > 0.0 && c.nearness > 0.0;
+    (is_before && (a.is_facing || b.is_facing || c.is_facing)).then_some([a, b, c])
 }
 
 /// What the points of a band show, `[row][column]`.
@@ -115,10 +148,10 @@ fn visible(places: &[Projected], corners: &[u32; 3]) -> Option<[[f32; 3]; 3]> {
     clippy::cast_precision_loss,
     reason = "places in a picture"
 )]
-fn drawn(
+fn drawn<'a>(
     parts: &[Part<'_>],
     projected: &[Vec<Projected>],
-    triangles: &[(u32, u32)],
+    triangles: impl Iterator<Item = &'a (u32, u32)>,
     first: usize,
     side: usize,
     rows: usize,
@@ -128,31 +161,37 @@ fn drawn(
     for &(part, triangle) in triangles {
         let corners = &parts[part as usize].surface.triangles[triangle as usize];
         let Some([a, b, c]) = visible(&projected[part as usize], corners) else { continue };
-        let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+        // Points lie in the middle of their cells; the first whose middle is not before a place.
+        let next = |v: f32, low: usize, high: usize| ((v + 0.5) as usize).clamp(low, high);
+        let left = next(a.column.min(b.column).min(c.column), 0, side);
+        let right = next(a.column.max(b.column).max(c.column), 0, side);
+        let end = (first + rows).min(side);
+        let top = next(a.row.min(b.row).min(c.row), first, end);
+        let bottom = next(a.row.max(b.row).max(c.row), first, end);
+        if left == right || top == bottom {
+            continue;
+        }
+        let (ab, ac) = ([b.column - a.column, b.row - a.row], [c.column - a.column, c.row - a.row]);
+        let area = ab[0] * ac[1] - ac[0] * ab[1];
         if area == 0.0 {
             continue;
         }
-        // Points lie in the middle of their cells.
-        let from = |v: f32, low: usize| ((v - 0.5).ceil().max(low as f32)) as usize;
-        let to = |v: f32, high: usize| ((v - 0.5).floor() + 1.0).clamp(0.0, high as f32) as usize;
-        let low = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
-        let high = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
-        let columns = from(low(0), 0)..to(high(0), side);
-        for row in from(low(1), first)..to(high(1), (first + rows).min(side)) {
-            let y = row as f32 + 0.5;
-            for column in columns.clone() {
-                let x = column as f32 + 0.5;
-                let second = ((x - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (y - a[1])) / area;
-                let third = ((b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1])) / area;
+        let per_area = area.recip();
+        for row in top..bottom {
+            let y = row as f32 + 0.5 - a.row;
+            for column in left..right {
+                let x = column as f32 + 0.5 - a.column;
+                let second = (x * ac[1] - ac[0] * y) * per_area;
+                let third = (ab[0] * y - x * ab[1]) * per_area;
                 let rest = 1.0 - second - third;
                 if second < 0.0 || third < 0.0 || rest < 0.0 {
                     continue;
                 }
                 // One over the distance is linear in the picture, and so are values divided by it.
-                let nearness = rest * a[2] + second * b[2] + third * c[2];
+                let nearness = rest * a.nearness + second * b.nearness + third * c.nearness;
                 let point = &mut points[(row - first) * side + column];
                 if nearness > point.nearness {
-                    let shares = [second * b[2] / nearness, third * c[2] / nearness];
+                    let shares = [second * b.nearness / nearness, third * c.nearness / nearness];
                     *point = Point { part, triangle, nearness, shares };
                 }
             }
@@ -161,47 +200,95 @@ fn drawn(
     points
 }
 
-/// Pixels of a band, means of their points, and how many points were negative.
-#[expect(clippy::cast_precision_loss, reason = "few points")]
+/// Shades the pixels of a band, means of their points; how many points were negative.
 fn shaded(
     parts: &[Part<'_>],
     relit: &RelitScene,
     shot: &Shot,
     points: &[Point],
     first: usize,
-) -> (Vec<Pixel>, usize) {
-    let (per, side) = (shot.points, shot.size * shot.points);
+    pixels: &mut [Pixel],
+) -> usize {
     let widest = parts.iter().map(|part| 3 * part.maps.terms).max().unwrap_or(0);
-    let (mut values, mut negative) = (vec![0.0; widest], 0);
-    let rows = points.len() / side / per;
-    let mut pixels = Vec::with_capacity(rows * shot.size);
-    for row in 0..rows {
-        for column in 0..shot.size {
-            let (mut sum, mut hits) = ([0.0_f32; 3], 0_usize);
+    let values = &mut vec![0.0; widest];
+    let rays = RayGrid::of(shot);
+    pulp::Arch::new().dispatch(Shade { parts, relit, shot, rays, points, first, values, pixels })
+}
+
+/// Directions of the rays through points of a picture, not of unit length: linear in column and row.
+#[derive(Clone, Copy)]
+struct RayGrid {
+    origin: Vec3,
+    across: Vec3,
+    down: Vec3,
+}
+
+impl RayGrid {
+    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
+    fn of(shot: &Shot) -> Self {
+        let (camera, side) = (&shot.camera, (shot.size * shot.points) as f64);
+        let right = camera.forward().cross(camera.up());
+        let half = (0.5 * camera.fov()).tan();
+        let corner = camera.forward() + half * (camera.up() - right);
+        let step = 2.0 * half / side;
+        let [across, down] = [step * right, -step * camera.up()];
+        let origin = corner + 0.5 * (across + down);
+        Self { origin: origin.as_vec3(), across: across.as_vec3(), down: down.as_vec3() }
+    }
+
+    #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2²⁴")]
+    fn through(&self, column: usize, row: usize) -> Vec3 {
+        self.origin + column as f32 * self.across + row as f32 * self.down
+    }
+}
+
+struct Shade<'a> {
+    parts: &'a [Part<'a>],
+    relit: &'a RelitScene,
+    shot: &'a Shot,
+    rays: RayGrid,
+    points: &'a [Point],
+    first: usize,
+    /// Room for the view maps of a point.
+    values: &'a mut [f32],
+    pixels: &'a mut [Pixel],
+}
+
+impl pulp::NullaryFnOnce for Shade<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "few points")]
+    fn call(self) -> usize {
+        let Self { parts, relit, shot, rays, points, first, values, pixels } = self;
+        let (per, side) = (shot.points, shot.size * shot.points);
+        let mut negative = 0;
+        for (number, pixel) in pixels.iter_mut().enumerate() {
+            let (row, column) = (number / shot.size, number % shot.size);
+            let (mut sum, mut hits) = (Vec3::ZERO, 0_usize);
             for at in 0..per * per {
                 let (down, across) = (row * per + at / per, column * per + at % per);
                 let point = &points[down * side + across];
                 if point.part == EMPTY {
                     continue;
                 }
-                let place = DVec2::new(across as f64 + 0.5, (first + down) as f64 + 0.5);
-                let to_camera = -shot.camera.ray(place, side, side).as_vec3();
                 let part = &parts[point.part as usize];
-                let colour =
-                    colour(part, &relit.parts[point.part as usize], point, to_camera, &mut values);
-                negative += usize::from(colour.iter().any(|v| *v < 0.0));
-                sum.iter_mut().zip(colour).for_each(|(sum, v)| *sum += v.max(0.0));
+                let arriving = &relit.parts[point.part as usize];
+                let to_camera = -rays.through(across, first + down);
+                let colour = colour(part, arriving, point, to_camera, values);
+                negative += usize::from(colour.min_element() < 0.0);
+                sum += colour.max(Vec3::ZERO);
                 hits += 1;
             }
-            pixels.push(if hits == 0 {
-                Pixel::Background
-            } else {
-                let mean = sum.map(|v| f64::from(v) / hits as f64);
-                Pixel::Radiance(Rgb::from(mean), hits as f64 / (per * per) as f64)
-            });
+            if hits > 0 {
+                let mean = (sum / hits as f32).as_dvec3();
+                let colour = Rgb::new(mean.x, mean.y, mean.z);
+                *pixel = Pixel::Radiance(colour, hits as f64 / (per * per) as f64);
+            }
         }
+        negative
     }
-    (pixels, negative)
 }
 
 /// Σ_k h_k(wo) times what arrives for k, at a point.
@@ -212,32 +299,42 @@ fn colour(
     point: &Point,
     to_camera: Vec3,
     values: &mut [f32],
-) -> [f32; 3] {
+) -> Vec3 {
     let terms = part.maps.terms;
-    let corners = part.surface.triangles[point.triangle as usize].map(|at| at as usize);
+    let [a, b, c] = part.surface.triangles[point.triangle as usize];
+    let (a, b, c) = (a as usize, b as usize, c as usize);
     let [second, third] = point.shares;
-    let shares = [1.0 - second - third, second, third];
-    let normal: glam::DVec3 = corners
-        .iter()
-        .zip(shares)
-        .map(|(corner, share)| f64::from(share) * part.surface.normals[*corner])
-        .sum();
-    let frame = tangent_frame(normal.normalize_or(glam::DVec3::Y)).as_mat3();
-    let mut local = frame.transpose() * to_camera;
+    let first = 1.0 - second - third;
+    let normals = &part.shading_normals;
+    let normal = first * normals[a] + second * normals[b] + third * normals[c];
+    let mut local = local_to(normal.normalize_or(Vec3::Y), to_camera.normalize());
     // Smooth normals may look away where the triangle does not: its rim answers.
     if local.z < 0.0 {
         local = Vec3::new(local.x, local.y, 0.0).normalize_or(Vec3::X);
     }
     let values = &mut values[..3 * terms];
     part.maps.view.read(local, 1.0, values);
-    let mut sum = [0.0; 3];
-    for (corner, share) in corners.into_iter().zip(shares) {
-        let own = &arriving[corner * terms..][..terms];
-        for (value, h) in own.iter().zip(values.as_chunks::<3>().0) {
-            for channel in 0..3 {
-                sum[channel] += share * value[channel] * h[channel];
-            }
-        }
+    let a = arriving[a * terms..][..terms].as_flattened();
+    let b = arriving[b * terms..][..terms].as_flattened();
+    let c = arriving[c * terms..][..terms].as_flattened();
+    for (i, value) in values.iter_mut().enumerate() {
+        *value *= first * a[i] + second * b[i] + third * c[i];
+    }
+    let mut sum = Vec3::ZERO;
+    for term in values.as_chunks::<3>().0 {
+        sum += Vec3::from(*term);
     }
     sum
+}
+
+/// A direction in the tangent frame of a normal.
+#[inline(always)]
+fn local_to(n: Vec3, w: Vec3) -> Vec3 {
+    if n.y < -0.9 {
+        // Where f32 loses the frame.
+        return (tangent_frame(n.as_dvec3()).transpose() * w.as_dvec3()).as_vec3();
+    }
+    let rest = 1.0 / (1.0 + n.y);
+    let s = Vec3::new(1.0 - n.x * n.x * rest, -n.x, -n.x * n.z * rest);
+    Vec3::new(s.dot(w), n.cross(s).dot(w), n.dot(w))
 }

@@ -1,6 +1,7 @@
 //! Objects with their transport, and what light makes of them.
 
 use brdf_render::Mesh;
+use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -72,6 +73,8 @@ pub struct Part<'a> {
     pub maps: BrdfMaps,
     /// Vectors by coefficient, `[vertex][term]`.
     pub transport: SparseTransport<'a>,
+    /// Normals as pictures need them.
+    pub(crate) shading_normals: Vec<Vec3>,
 }
 
 impl<'a> Part<'a> {
@@ -112,7 +115,14 @@ impl<'a> Part<'a> {
                 "finite positions and normals",
             );
         }
-        Ok(Self { surface, maps, transport })
+        Ok(Self::assemble(surface, maps, transport))
+    }
+}
+
+impl<'a> Part<'a> {
+    fn assemble(surface: Surface, maps: BrdfMaps, transport: SparseTransport<'a>) -> Self {
+        let shading_normals = surface.normals.iter().map(|n| n.as_vec3()).collect();
+        Self { surface, maps, transport, shading_normals }
     }
 }
 
@@ -120,7 +130,7 @@ impl Part<'static> {
     /// A surface with the transport of all its vertices.
     pub fn new(surface: Surface, maps: &BrdfMaps, vectors: &[SparseVectors]) -> Self {
         let coding = Coding::of(maps.light_channels());
-        Self { surface, maps: maps.clone(), transport: SparseTransport::of(coding, vectors) }
+        Self::assemble(surface, maps.clone(), SparseTransport::of(coding, vectors))
     }
 }
 

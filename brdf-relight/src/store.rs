@@ -204,39 +204,52 @@ impl<'a> SparseTransport<'a> {
     pub fn relight(&self, light: &LitCoefficients, out: &mut [[f32; 3]]) {
         assert_eq!(out.len(), self.vectors(), "room for each vector");
         let blocks = out.par_chunks_mut(BLOCK).zip(self.scales.par_chunks(BLOCK));
-        blocks.enumerate().for_each(|(block, (out, scales))| {
-            let starts = &self.offsets[block * (TEXELS + 1)..][..TEXELS + 1];
-            out.fill([0.0; 3]);
-            match &self.codes {
-                Codes::Rgb(codes) => {
-                    self.add(light, starts, |at| Coding::Rgb.decode(codes[at]), out);
+        blocks.enumerate().for_each_init(
+            || vec![[0.0; 4]; BLOCK],
+            |sums, (block, (out, scales))| {
+                let starts = &self.offsets[block * (TEXELS + 1)..][..TEXELS + 1];
+                sums.fill([0.0; 4]);
+                pulp::Arch::new().dispatch(AddBlock { transport: self, light, starts, sums });
+                for ((value, sum), scale) in out.iter_mut().zip(sums.iter()).zip(scales) {
+                    *value = [scale * sum[0], scale * sum[1], scale * sum[2]];
                 }
-                Codes::Scalar(codes) => {
-                    self.add(light, starts, |at| Coding::Scalar.decode(codes[at].into()), out);
-                }
-            }
-            for (value, scale) in out.iter_mut().zip(scales) {
-                *value = value.map(|v| v * scale);
-            }
-        });
+            },
+        );
     }
+}
+
+/// Adds the products of a block to sums, which have a fourth number for the sake of speed.
+struct AddBlock<'a> {
+    transport: &'a SparseTransport<'a>,
+    light: &'a LitCoefficients,
+    starts: &'a [u32],
+    sums: &'a mut [[f32; 4]],
+}
+
+impl pulp::NullaryFnOnce for AddBlock<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn add(
-        &self,
-        light: &LitCoefficients,
-        starts: &[u32],
-        decode: impl Fn(usize) -> [f32; 3],
-        out: &mut [[f32; 3]],
-    ) {
-        for (place, radiance) in light.places().iter().zip(light.values()) {
+    fn call(self) {
+        let Self { transport, light, starts, sums } = self;
+        for (place, [r, g, b]) in light.places().iter().zip(light.values()) {
             let place = usize::from(*place);
             let entries = starts[place] as usize..starts[place + 1] as usize;
-            for at in entries {
-                let value = decode(at);
-                let sum = &mut out[usize::from(self.owners[at])];
-                for channel in 0..3 {
-                    sum[channel] += value[channel] * radiance[channel];
+            let owners = &transport.owners[entries.clone()];
+            match &transport.codes {
+                Codes::Rgb(codes) => {
+                    for (owner, code) in owners.iter().zip(&codes[entries]) {
+                        let [x, y, z] = Coding::Rgb.decode(*code);
+                        let sum = &mut sums[usize::from(*owner)];
+                        *sum = [sum[0] + r * x, sum[1] + g * y, sum[2] + b * z, sum[3]];
+                    }
+                }
+                Codes::Scalar(codes) => {
+                    for (owner, code) in owners.iter().zip(&codes[entries]) {
+                        let [x, _, _] = Coding::Scalar.decode(u32::from(*code));
+                        let sum = &mut sums[usize::from(*owner)];
+                        *sum = [sum[0] + r * x, sum[1] + g * x, sum[2] + b * x, sum[3]];
+                    }
                 }
             }
         }

@@ -99,7 +99,7 @@ fn a_white_furnace_gives_one() {
 
 #[test]
 fn transport_and_its_wavelets_are_brute_force_before_they_are_cut() {
-    let (mesh, light) = (torus(), CubeLight::of(&environment(), 0.4));
+    let (mesh, light) = (torus(), LightSampler::default().light(&environment(), 0.4));
     let lit = light.coefficients(LightRule::All);
     let (occluder, sky) = (Occluder::of(&mesh), Sky::default());
     let sites = Surface::of(&mesh).sites(4.0);
@@ -152,7 +152,7 @@ fn transport_and_its_wavelets_are_brute_force_before_they_are_cut() {
 fn the_store_multiplies_what_vectors_hold_whatever_the_threads() {
     let mesh = torus();
     let (occluder, surface) = (Occluder::of(&mesh), Surface::of(&mesh));
-    let lit = CubeLight::of(&environment(), 0.0).coefficients(LightRule::Energy);
+    let lit = LightSampler::default().light(&environment(), 0.0).coefficients(LightRule::Energy);
     for (light_maps, rank) in [(LightMaps::Rgb, 4), (LightMaps::Joint, 6)] {
         let maps = maps("light-brown-plastic", rank, light_maps);
         let params = PrecomputeParams { coefficients: 60, quality: Quality::One };
@@ -223,7 +223,7 @@ fn decoded(coding: Coding, code: u32, largest: f32) -> [f64; 3] {
 
 #[test]
 fn more_terms_and_coefficients_come_closer_to_brute_force() {
-    let (mesh, light) = (torus(), CubeLight::of(&environment(), 0.0));
+    let (mesh, light) = (torus(), LightSampler::default().light(&environment(), 0.0));
     let occluder = Occluder::of(&mesh);
     let brdf = Preset::find("light-brown-plastic").unwrap().brdf();
     let split = |rank, coefficients| {
@@ -251,7 +251,7 @@ fn the_picture_shows_the_shadow_and_matches_brute_force_at_a_pixel() {
     let brdf = Preset::find("light-brown-plastic").unwrap().brdf();
     let maps = maps("light-brown-plastic", 12, LightMaps::Joint);
     let diffuse = BrdfMaps::diffuse(0.5);
-    let light = CubeLight::of(&environment(), 0.0);
+    let light = LightSampler::default().light(&environment(), 0.0);
     let params = PrecomputeParams { coefficients: 200, quality: Quality::One };
     let part = |surface: Surface, maps: &BrdfMaps| {
         let all = 0..surface.positions.len();

@@ -127,11 +127,26 @@ impl Environment {
         reason = "positions are clamped to the image"
     )]
     fn texel(&self, direction: DVec3) -> usize {
-        let u = direction.x.atan2(-direction.z) / TAU + 0.5;
-        let v = direction.y.clamp(-1.0, 1.0).acos() / PI;
+        let [u, v] = Self::place(direction);
         let side =
             |position: f64, count: usize| ((position * count as f64) as usize).min(count - 1);
         side(v, self.height) * self.width + side(u, self.width)
+    }
+
+    /// Where a unit direction lies in any lat-long map, both from 0 to 1: across, and down.
+    pub fn place(direction: DVec3) -> [f64; 2] {
+        let u = direction.x.atan2(-direction.z) / TAU + 0.5;
+        [u, direction.y.clamp(-1.0, 1.0).acos() / PI]
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// Radiance of all texels, row by row from the top.
+    pub fn texels(&self) -> &[[f32; 3]] {
+        &self.texels
     }
 }
 

@@ -62,7 +62,7 @@ pub fn relight_to_bytes(
     };
     let mut tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)> = Vec::new();
     for (index, part) in parts.iter().enumerate() {
-        let Part { surface, maps, transport } = part;
+        let Part { surface, maps, transport, .. } = part;
         let (scales, offsets, owners, codes) = transport.parts();
         let mut add = |name: &str, kind, shape: &[usize], bytes| {
             tensors.push((name_of(index, name), kind, shape.to_vec(), bytes));

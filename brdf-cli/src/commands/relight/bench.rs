@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use brdf_relight::{Occluder, RelitScene, picture, precompute};
+use brdf_relight::{LightSampler, Occluder, RelitScene, picture, precompute};
 use serde_json::json;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
@@ -48,7 +48,9 @@ impl Bench {
         let shot = self.shot.with_points(1);
         let mut relit = RelitScene::default();
         let degrees = |frame: u32| 360.0 * f64::from(frame) / f64::from(self.frames);
-        let lit = self.light.coefficients(&self.light.light(&environment, 0.0));
+        let sampler = LightSampler::default();
+        let light_at = |degrees: f64| sampler.light(&environment, self.light.rotation(degrees));
+        let lit = self.light.coefficients(&light_at(0.0));
         relit.relight(&file.parts, &lit);
         let timed = |f: &mut dyn FnMut(u32)| {
             let start = Instant::now();
@@ -57,8 +59,8 @@ impl Bench {
         };
         let kernel = timed(&mut |_| relit.relight(&file.parts, &lit));
         let light = timed(&mut |frame| {
-            let light = self.light.light(&environment, degrees(frame));
-            relit.relight(&file.parts, &self.light.coefficients(&light));
+            let lit = self.light.coefficients(&light_at(degrees(frame)));
+            relit.relight(&file.parts, &lit);
             picture(&file.parts, &relit, &shot.shot(&mesh, 0.0));
         });
         let view = timed(&mut |frame| {

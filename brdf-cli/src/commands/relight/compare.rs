@@ -55,7 +55,7 @@ impl Compare {
             )?;
         }
         let mesh = mesh_of(&file)?;
-        let light = self.light.light(&self.light.environment()?, 0.0);
+        let light = self.light.light()?;
         let params = CompareParams {
             vertices: self.vertices as usize,
             precompute: file.record.precompute,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use brdf_io::{MappedFile, RelightFile, parse_relight, read_environment};
-use brdf_relight::{CubeLight, LightRule, LitCoefficients, Shot};
+use brdf_relight::{CubeLight, LightRule, LightSampler, LitCoefficients, Shot};
 use brdf_render::{Camera, Environment, Mesh, Soup};
 use clap::ValueEnum;
 use glam::DVec3;
@@ -73,9 +73,13 @@ impl LightArgs {
         Ok(read_environment(&self.env)?)
     }
 
-    /// The environment turned by `more` degrees beyond what was asked for.
-    pub(super) fn light(&self, environment: &Environment, more: f64) -> CubeLight {
-        CubeLight::of(environment, (self.rotate_deg + more).to_radians())
+    /// The turn that was asked for and `more` degrees, in radians.
+    pub(super) fn rotation(&self, more: f64) -> f64 {
+        (self.rotate_deg + more).to_radians()
+    }
+
+    pub(super) fn light(&self) -> anyhow::Result<CubeLight> {
+        Ok(LightSampler::default().light(&self.environment()?, self.rotation(0.0)))
     }
 
     pub(super) fn rule(&self) -> LightRule {

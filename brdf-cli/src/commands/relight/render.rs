@@ -47,8 +47,7 @@ impl Render {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let mesh = mesh_of(&file)?;
-        let environment = self.light.environment()?;
-        let lit = self.light.coefficients(&self.light.light(&environment, 0.0));
+        let lit = self.light.coefficients(&self.light.light()?);
         let mut relit = RelitScene::default();
         relit.relight(&file.parts, &lit);
         let shot = self.shot.shot(&mesh, 0.0);

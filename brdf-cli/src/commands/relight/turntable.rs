@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use brdf_io::OutputFolder;
-use brdf_relight::{RelitScene, picture};
+use brdf_relight::{LightSampler, RelitScene, picture};
 use brdf_render::ToneMap;
 use clap::ValueEnum;
 use serde_json::json;
@@ -65,6 +65,7 @@ impl Turntable {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);
+        let sampler = LightSampler::default();
         let mut folder = OutputFolder::new(&self.output, self.force)?;
         let progress = Progress::new(self.frames.into());
         progress.step("frames");
@@ -77,7 +78,7 @@ impl Turntable {
                 TurnArg::Light => [0.0, angle],
             };
             if frame == 0 || self.turn == TurnArg::Light {
-                let light = self.light.light(&environment, light);
+                let light = sampler.light(&environment, self.light.rotation(light));
                 relit.relight(&file.parts, &self.light.coefficients(&light));
             }
             let (film, _) = picture(&file.parts, &relit, &self.shot.shot(&mesh, view));
