@@ -12,6 +12,7 @@ pub struct MapStack {
     resolution: usize,
     width: usize,
     texels: Vec<f32>,
+    is_constant: bool,
 }
 
 impl MapStack {
@@ -28,12 +29,14 @@ impl MapStack {
                 expected: "as many finite values as texels have",
             });
         }
-        Ok(Self { resolution, width, texels })
+        let is_constant = texels.chunks_exact(width).all(|texel| texel == &texels[..width]);
+        Ok(Self { resolution, width, texels, is_constant })
     }
 
     /// The same value in every direction.
     pub fn constant(values: &[f32]) -> Self {
-        Self { resolution: 2, width: values.len(), texels: values.repeat(4) }
+        let texels = values.repeat(4);
+        Self { resolution: 2, width: values.len(), texels, is_constant: true }
     }
 
     /// Texels along a side.
@@ -44,6 +47,11 @@ impl MapStack {
     /// Values of a texel.
     pub fn width(&self) -> usize {
         self.width
+    }
+
+    /// The values of all directions, where they are the same.
+    pub fn constant_values(&self) -> Option<&[f32]> {
+        self.is_constant.then(|| &self.texels[..self.width])
     }
 
     /// All values, `[row][column][value]`.
@@ -67,8 +75,8 @@ impl MapStack {
         assert_eq!(out.len(), self.width, "room for a texel");
         let size = self.resolution;
         let last = (size - 1) as f32;
-        let position = |v: f32| (0.5 * (v + 1.0) * size as f32 - 0.5).clamp(0.0, last);
-        let (x, y) = (position(local.x), position(local.y));
+        let x = (0.5 * (local.x + 1.0) * size as f32 - 0.5).clamp(0.0, last);
+        let y = (0.5 * (local.y + 1.0) * size as f32 - 0.5).clamp(0.0, last);
         let (column, row) = ((x as usize).min(size - 2), (y as usize).min(size - 2));
         let (u, v) = (x - column as f32, y - row as f32);
         let first = (row * size + column) * self.width;
@@ -76,10 +84,12 @@ impl MapStack {
         let below = &self.texels[first + size * self.width..][..2 * self.width];
         let (a, b) = above.split_at(self.width);
         let (c, d) = below.split_at(self.width);
-        let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-        let [wa, wb, wc, wd] = weights.map(|weight| share * weight);
-        for (i, value) in out.iter_mut().enumerate() {
-            *value = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i];
+        let (above, below) = (share * (1.0 - v), share * v);
+        let [wa, wb, wc, wd] = [(1.0 - u) * above, u * above, (1.0 - u) * below, u * below];
+        // Slices of one length, side by side: no bounds are left to check.
+        let rows = a.iter().zip(b).zip(c.iter().zip(d));
+        for (value, ((a, b), (c, d))) in out.iter_mut().zip(rows) {
+            *value = (wa * a + wb * b) + (wc * c + wd * d);
         }
     }
 }

@@ -305,20 +305,24 @@ fn colour(
     let (a, b, c) = (a as usize, b as usize, c as usize);
     let [second, third] = point.shares;
     let first = 1.0 - second - third;
-    let normals = &part.shading_normals;
-    let normal = first * normals[a] + second * normals[b] + third * normals[c];
-    let mut local = local_to(normal.normalize_or(Vec3::Y), to_camera.normalize());
-    // Smooth normals may look away where the triangle does not: its rim answers.
-    if local.z < 0.0 {
-        local = Vec3::new(local.x, local.y, 0.0).normalize_or(Vec3::X);
-    }
     let values = &mut values[..3 * terms];
-    part.maps.view.read(local, 1.0, values);
+    if let Some(constant) = part.maps.view.constant_values() {
+        values.copy_from_slice(constant);
+    } else {
+        let normals = &part.shading_normals;
+        let normal = first * normals[a] + second * normals[b] + third * normals[c];
+        let mut local = local_to(normal.normalize_or(Vec3::Y), to_camera.normalize());
+        // Smooth normals may look away where the triangle does not: its rim answers.
+        if local.z < 0.0 {
+            local = Vec3::new(local.x, local.y, 0.0).normalize_or(Vec3::X);
+        }
+        part.maps.view.read(local, 1.0, values);
+    }
     let a = arriving[a * terms..][..terms].as_flattened();
     let b = arriving[b * terms..][..terms].as_flattened();
     let c = arriving[c * terms..][..terms].as_flattened();
-    for (i, value) in values.iter_mut().enumerate() {
-        *value *= first * a[i] + second * b[i] + third * c[i];
+    for (value, ((a, b), c)) in values.iter_mut().zip(a.iter().zip(b).zip(c)) {
+        *value *= first * a + second * b + third * c;
     }
     let mut sum = Vec3::ZERO;
     for term in values.as_chunks::<3>().0 {

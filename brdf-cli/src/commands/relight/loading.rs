@@ -45,8 +45,8 @@ pub(super) fn mesh_of(file: &RelightFile<'_>) -> anyhow::Result<Mesh> {
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Lighting")]
 pub(super) struct LightArgs {
-    /// Lat-long Radiance HDR environment
-    #[arg(long, value_name = "FILE")]
+    /// Lat-long Radiance HDR environment, or light:sky or light:studio, which need no file
+    #[arg(long, value_name = "FILE", default_value = "light:sky")]
     env: PathBuf,
 
     /// Turn the environment about the vertical
@@ -70,7 +70,11 @@ enum RuleArg {
 
 impl LightArgs {
     pub(super) fn environment(&self) -> anyhow::Result<Environment> {
-        Ok(read_environment(&self.env)?)
+        Ok(match self.env.to_str() {
+            Some("light:sky") => Environment::sky()?,
+            Some("light:studio") => Environment::studio()?,
+            _ => read_environment(&self.env)?,
+        })
     }
 
     /// The turn that was asked for and `more` degrees, in radians.
