@@ -14,5 +14,6 @@ mod painting;
 mod parametrizations;
 mod projections;
 mod readers;
+mod relighting;
 mod search;
 mod separable;

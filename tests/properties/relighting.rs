@@ -1,0 +1,78 @@
+//! Transport as a file: any bytes give a value or an error, never a panic, and what is read can be used; what is
+//! written comes back.
+
+use brdf_io::{
+    RelightRecord, parse_relight, relight_to_bytes, vectors_from_bytes, vectors_to_bytes,
+};
+use brdf_relight::{
+    BrdfMaps, CubeLight, LightMaps, LightRule, MapParams, Occluder, Part, PrecomputeParams,
+    Quality, RelitScene, Shot, SparseVectors, Surface, picture, precompute,
+};
+use brdf_render::{Camera, Mesh, Soup};
+use glam::DVec3;
+
+/// A triangle and a half of another.
+fn transport() -> (Vec<Part<'static>>, Vec<SparseVectors>, RelightRecord) {
+    let soup = Soup {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Z, DVec3::Y],
+        triangles: vec![[0, 2, 1], [0, 1, 3]],
+        ..Soup::default()
+    };
+    let (mesh, _) = Mesh::new(soup).unwrap();
+    let params = PrecomputeParams { coefficients: 3, quality: Quality::One };
+    let (surface, maps) = (Surface::of(&mesh), BrdfMaps::diffuse(0.5));
+    let all = 0..surface.positions.len();
+    let vectors = precompute(&mesh, &Occluder::of(&mesh), &surface, all, &maps, &params, &|| ());
+    let record = RelightRecord {
+        mesh: "two.obj".to_owned(),
+        brdf: "matt".to_owned(),
+        maps: MapParams { rank: 1, light_maps: LightMaps::Joint, resolution: 2, weight_power: 0.0 },
+        precompute: params,
+    };
+    (vec![Part::new(surface, &maps, &vectors)], vectors, record)
+}
+
+fn use_transport(bytes: &[u8]) -> bool {
+    let Ok(file) = parse_relight(bytes) else { return false };
+    let mut relit = RelitScene::default();
+    relit.relight(&file.parts, &CubeLight::uniform([1.0; 3]).coefficients(LightRule::All));
+    let camera = Camera::around(DVec3::ZERO, 2.0, DVec3::new(0.6, 0.0, 0.8));
+    let (film, _) = picture(&file.parts, &relit, &Shot { camera, size: 4, points: 1 });
+    film.pixels().len() == 16
+}
+
+#[test]
+fn what_is_written_comes_back() {
+    let (parts, vectors, record) = transport();
+    let bytes = relight_to_bytes(&parts, &record).unwrap();
+    let file = parse_relight(&bytes).unwrap();
+    assert_eq!(file.record, record);
+    assert_eq!(file.parts[0].transport, parts[0].transport);
+    assert_eq!(file.parts[0].maps, parts[0].maps);
+    assert_eq!(file.parts[0].surface.triangles, parts[0].surface.triangles);
+    assert_eq!(relight_to_bytes(&file.parts, &file.record).unwrap(), bytes);
+    assert_eq!(vectors_from_bytes(&vectors_to_bytes(&vectors)).unwrap(), vectors);
+}
+
+#[test]
+fn damaged_files_are_refused_or_usable() {
+    let (parts, vectors, record) = transport();
+    let bytes = relight_to_bytes(&parts, &record).unwrap();
+    assert!(use_transport(&bytes), "whole");
+    // Offsets make most of the file: its head is damaged everywhere, the rest here and there.
+    let places = (0..3000).chain((3000..bytes.len()).step_by(97));
+    for at in places {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut damaged = bytes.clone();
+            damaged[at.min(bytes.len() - 1)] ^= flip;
+            use_transport(&damaged);
+        }
+    }
+    for length in (0..bytes.len()).step_by(211) {
+        assert!(!use_transport(&bytes[..length]), "cut to {length}");
+    }
+    let chunk = vectors_to_bytes(&vectors);
+    for length in 0..chunk.len() {
+        let _ = vectors_from_bytes(&chunk[..length]);
+    }
+}
