@@ -184,6 +184,12 @@ fn what_cannot_be_relit_is_refused_in_a_line() {
     fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
     fail(folder, &["relight", "precompute", "flat.obj"], 1);
     fail(folder, &["relight", "precompute", "ball.obj", "--rank", "65"], 2);
+    fs::write(folder.join("notes.txt"), "mine").unwrap();
+    let mine = brdf(folder, &["relight", "precompute", "ball.obj", "-o", "notes.txt"]);
+    assert_eq!(mine.status.code(), Some(1), "{mine:?}");
+    assert!(!folder.join("notes.txt.part").exists(), "said before the work, not after");
+    let anew = brdf(folder, &[&MAKE[..], &["--rank", "1", "--resume"]].concat());
+    assert!(text(&anew.stderr).contains("begun anew"), "{anew:?}");
     fail(folder, &["relight", "render", "b.prt", "--view", "0,0,0.5"], 2);
     fail(folder, &["relight", "render", "b.prt", "-o", "x.jpg"], 2);
     let rank = ["--rank", "64", "--map-resolution", "4", "-o", "c.prt"];

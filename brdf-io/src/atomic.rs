@@ -26,26 +26,34 @@ pub enum Overwrite {
 /// [`IoError::InTheWay`] for a file that must not be overwritten; [`IoError::Folder`];
 /// [`IoError::File`]. The old file stays whole.
 pub fn write_atomically(path: &Path, bytes: &[u8], overwrite: Overwrite) -> Result<(), IoError> {
-    match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => {
-            return Err(IoError::Folder { path: path.to_owned() });
-        }
-        Ok(metadata) if metadata.is_file() => {
-            let content = MappedFile::open(path)?;
-            if overwrite == Overwrite::Ours && !content.is_empty() && !is_ours(&content) {
-                return Err(IoError::InTheWay { path: path.to_owned(), found: "a file" });
-            }
-        }
-        Ok(metadata) if !metadata.is_file() => {
-            return fs::write(path, bytes).map_err(IoError::file(path, "writing"));
-        }
-        _ => {}
+    check_overwrite(path, overwrite)?;
+    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        return fs::write(path, bytes).map_err(IoError::file(path, "writing"));
     }
     let folder = parent(path);
     let mut file = NamedTempFile::new_in(folder).map_err(IoError::file(path, "creating"))?;
     file.write_all(bytes).map_err(IoError::file(path, "writing"))?;
     make_readable(file.path()).map_err(IoError::file(path, "writing"))?;
     file.persist(path).map_err(|e| IoError::file(path, "renaming to")(e.error))?;
+    Ok(())
+}
+
+/// Whether [`write_atomically`] may write a file: worth knowing before work that takes long.
+///
+/// # Errors
+///
+/// [`IoError::InTheWay`] for a file that must not be overwritten; [`IoError::Folder`].
+pub fn check_overwrite(path: &Path, overwrite: Overwrite) -> Result<(), IoError> {
+    let Ok(metadata) = fs::metadata(path) else { return Ok(()) };
+    if metadata.is_dir() {
+        return Err(IoError::Folder { path: path.to_owned() });
+    }
+    if metadata.is_file() && overwrite == Overwrite::Ours {
+        let content = MappedFile::open(path)?;
+        if !content.is_empty() && !is_ours(&content) {
+            return Err(IoError::InTheWay { path: path.to_owned(), found: "a file" });
+        }
+    }
     Ok(())
 }
 

@@ -28,7 +28,7 @@ mod table;
 mod utia;
 
 pub use alta::read_alta;
-pub use atomic::{OutputFolder, Overwrite, write_atomically};
+pub use atomic::{OutputFolder, Overwrite, check_overwrite, write_atomically};
 pub use btf::{
     Btf, BtfError, BtfFile, BtfImages, BtfInput, BtfNotes, ImageAngles, LoadedBtf, NamedDirection,
     UboWriter, WrittenImages, open_btf, parse_image_name, read_albedo, read_btf_image, read_map,

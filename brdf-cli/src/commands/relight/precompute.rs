@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use brdf_io::{
-    ChunkLog, ReadOptions, RelightRecord, relight_to_bytes, vectors_from_bytes, vectors_to_bytes,
-    write_atomically,
+    ChunkLog, ReadOptions, RelightRecord, check_overwrite, relight_to_bytes, vectors_from_bytes,
+    vectors_to_bytes, write_atomically,
 };
 use brdf_relight::{
     BrdfMaps, LightMaps, MapParams, Occluder, Part, PrecomputeParams, Quality, SparseVectors,
@@ -111,6 +111,7 @@ const CHUNK: usize = 2048;
 impl Precompute {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
+        check_overwrite(&self.output, self.force.overwrite())?;
         let mesh = open_mesh(&self.mesh, None)?;
         let subject = Subject::open(&self.brdf, &ReadOptions::default())?;
         let (map_params, params) = (self.map_params(), self.params());
@@ -122,11 +123,22 @@ impl Precompute {
         }
         let vertices: usize = work.iter().map(|(surface, _)| surface.positions.len()).sum();
         let log_path = beside(&self.output);
+        let was_interrupted = log_path.exists();
         let (mut log, chunks) = if self.resume {
             ChunkLog::resume(&log_path, &key(&work, &params))?
         } else {
             (ChunkLog::create(&log_path, &key(&work, &params))?, Vec::new())
         };
+        let shown = log_path.display();
+        if self.resume && chunks.is_empty() {
+            let found = if was_interrupted { "of other work" } else { "not there" };
+            writeln!(std::io::stderr(), "{shown}: {found}; begun anew")?;
+        } else if was_interrupted && !self.resume {
+            writeln!(
+                std::io::stderr(),
+                "{shown}: left by an interrupted run; begun anew without --resume"
+            )?;
+        }
         let mut made: Vec<SparseVectors> = Vec::with_capacity(vertices);
         for chunk in &chunks {
             made.extend(vectors_from_bytes(chunk)?);
