@@ -7,6 +7,7 @@
 
 use std::time::Duration;
 
+use brdf_render::Mesh;
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -60,16 +61,11 @@ pub struct Tile {
 }
 
 impl Occluder {
-    /// Boxes around the triangles of a mesh within a ball.
-    pub fn new(
-        positions: &[glam::DVec3],
-        triangles: &[[u32; 3]],
-        centre: glam::DVec3,
-        radius: f64,
-    ) -> Self {
-        let scale = radius.recip();
+    /// The triangles of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let (positions, centre, scale) = (mesh.positions(), mesh.centre(), mesh.radius().recip());
         let corner = |at: u32| ((positions[at as usize] - centre) * scale).as_vec3();
-        let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(corner)).collect();
+        let corners: Vec<[Vec3; 3]> = mesh.triangles().iter().map(|t| t.map(corner)).collect();
         let boxes: Vec<Aabb> = corners
             .iter()
             .map(|[a, b, c]| {

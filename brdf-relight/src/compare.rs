@@ -71,13 +71,18 @@ impl Sums {
 
 /// Colours of one vertex from one view, by what is left out.
 struct Colours {
+    /// Exact BRDF, sixteen rays a texel, all light.
     exact: [f64; 3],
+    /// The same with the rays of the precomputation.
     fewer_rays: [f64; 3],
+    /// The terms of the BRDF, sixteen rays, all coefficients, all light.
     terms: [f64; 3],
+    /// The same with the rays of the precomputation.
+    uncut: [f64; 3],
+    /// The same with the coefficients that are stored.
     all_light: [f64; 3],
+    /// The same with the light's coefficients that are used.
     stored: [f64; 3],
-    /// As `all_light`, with sixteen rays and all coefficients of the terms.
-    cut: [f64; 3],
 }
 
 /// Views are from the six axes; what they see at less than this cosine does not count.
@@ -130,7 +135,7 @@ pub fn compare(
                     exact,
                     fewer_rays,
                     terms: view(&full, *local),
-                    cut: view(&own, *local),
+                    uncut: view(&own, *local),
                     all_light: view(&stored[0], *local),
                     stored: view(&stored[1], *local),
                 })
@@ -144,7 +149,7 @@ pub fn compare(
         let pairs = [
             (colours.stored, colours.exact),
             (colours.terms, colours.exact),
-            (colours.all_light, colours.cut),
+            (colours.all_light, colours.uncut),
             (colours.stored, colours.all_light),
             (colours.fewer_rays, colours.exact),
         ];

@@ -57,13 +57,6 @@ pub fn precompute(
         .collect()
 }
 
-impl Occluder {
-    /// The triangles of a mesh.
-    pub fn of(mesh: &Mesh) -> Self {
-        Self::new(mesh.positions(), mesh.triangles(), mesh.centre(), mesh.radius())
-    }
-}
-
 /// A surface with its transport.
 #[derive(Clone, Debug)]
 pub struct Part<'a> {

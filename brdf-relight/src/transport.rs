@@ -61,7 +61,7 @@ impl Sky {
     }
 }
 
-/// Memory of one vertex' transport, used again for the next.
+/// Memory of one vertex's transport, used again for the next.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     /// What it sees.

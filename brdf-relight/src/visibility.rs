@@ -49,8 +49,8 @@ impl Visibility {
         }
         self.look_once(occluder, origin, up);
         if quality == Quality::Adaptive {
-            let fine = std::mem::take(&mut self.fine);
-            let fine = self.mark_borders(fine);
+            let mut fine = std::mem::take(&mut self.fine);
+            mark_borders(&self.shares, &mut fine);
             for (share, fine) in self.shares.iter_mut().zip(&fine) {
                 *share = if *fine { 0 } else { *share };
             }
@@ -72,22 +72,6 @@ impl Visibility {
                 }
             }
         }
-    }
-
-    /// Texels that differ from one beside them on their face.
-    fn mark_borders(&self, mut fine: Vec<bool>) -> Vec<bool> {
-        fine.fill(false);
-        for texel in 0..TEXELS {
-            let (row, column) = (texel / SIDE % SIDE, texel % SIDE);
-            let neighbours = [(column + 1 < SIDE, 1), (row + 1 < SIDE, SIDE)];
-            for (_, step) in neighbours.into_iter().filter(|(inside, _)| *inside) {
-                if self.shares[texel] != self.shares[texel + step] {
-                    fine[texel] = true;
-                    fine[texel + step] = true;
-                }
-            }
-        }
-        fine
     }
 
     /// Sixteen rays in chosen texels, or in all; their shares are 0 before.
@@ -120,6 +104,20 @@ impl Visibility {
                         }
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Marks texels that differ from one beside them on their face.
+fn mark_borders(shares: &[u8], differs: &mut [bool]) {
+    differs.fill(false);
+    for texel in 0..TEXELS {
+        let (row, column) = (texel / SIDE % SIDE, texel % SIDE);
+        for (is_inside, step) in [(column + 1 < SIDE, 1), (row + 1 < SIDE, SIDE)] {
+            if is_inside && shares[texel] != shares[texel + step] {
+                differs[texel] = true;
+                differs[texel + step] = true;
             }
         }
     }
