@@ -38,9 +38,9 @@ pub use container::{
     BasisFile, BasisRecord, BtfModelFile, BtfRecord, Contained, FitRecord, FitSettings, ModelFile,
     PaintRecord, PaintedFile, RankRecord, RelightFile, RelightRecord, SearchSettings,
     SeparableFile, SeparableRecord, SeparableSettings, TermRecord, basis_to_bytes,
-    btf_model_to_bytes, model_to_bytes, open_btf_model, painted_to_bytes, parse_basis,
-    parse_btf_model, parse_painted, parse_relight, read_container, record_of, relight_to_bytes,
-    samples_to_bytes, separable_to_bytes, table_to_bytes, vectors_from_bytes, vectors_to_bytes,
+    btf_model_to_bytes, chunk_from_bytes, chunk_to_bytes, model_to_bytes, open_btf_model,
+    painted_to_bytes, parse_basis, parse_btf_model, parse_painted, parse_relight, read_container,
+    record_of, relight_to_bytes, samples_to_bytes, separable_to_bytes, table_to_bytes,
 };
 pub use cornell::{Spectra, read_cornell};
 pub use detect::{Format, detect};

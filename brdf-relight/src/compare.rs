@@ -2,19 +2,17 @@
 
 use brdf_model::Brdf;
 use brdf_param::DirectionPair;
-use brdf_render::Mesh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::bundle::Occluder;
-use crate::coefficients::Coding;
 use crate::cube::TEXELS;
 use crate::frame::tangent_frame;
-use crate::light::{CubeLight, LightRule, LitCoefficients};
+use crate::light::{CubeLight, LightRule};
 use crate::maps::BrdfMaps;
-use crate::scene::PrecomputeParams;
-use crate::surface::{Surface, diagonal};
+use crate::scene::{Part, RelitScene};
+use crate::surface::diagonal;
 use crate::transport::{Sky, Workspace};
 use crate::visibility::Quality;
 
@@ -23,8 +21,8 @@ use crate::visibility::Quality;
 pub struct CompareParams {
     /// Vertices, evenly from all.
     pub vertices: usize,
-    /// How transport is made.
-    pub precompute: PrecomputeParams,
+    /// The rays that transport was made with.
+    pub quality: Quality,
     /// Which coefficients of the light are used.
     pub rule: LightRule,
 }
@@ -89,26 +87,30 @@ struct Colours {
 const LEAST_COSINE: f64 = 0.1;
 const VIEWS: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
-/// Compares colours of vertices of a mesh, seen from the six axes, with brute force.
+/// Compares colours of an object's vertices, seen from the six axes, with brute force.
 pub fn compare(
-    mesh: &Mesh,
+    part: &Part<'_>,
     occluder: &Occluder,
     brdf: &dyn Brdf,
-    maps: &BrdfMaps,
     light: &CubeLight,
     params: &CompareParams,
 ) -> Split {
-    let surface = Surface::of(mesh);
-    let sites = surface.sites(diagonal(mesh.positions()));
+    let (surface, maps) = (&part.surface, &part.maps);
+    let sites = surface.sites(diagonal(&surface.positions));
     let count = params.vertices.clamp(1, sites.len());
     let sky = Sky::default();
-    let [all, some] = [LightRule::All, params.rule].map(|rule| light.coefficients(rule));
+    let [all_light, stored] = [LightRule::All, params.rule].map(|rule| {
+        let mut relit = RelitScene::default();
+        relit.relight(std::slice::from_ref(part), &light.coefficients(rule));
+        relit.parts.swap_remove(0)
+    });
     let colours: Vec<Vec<Colours>> = (0..count)
         .into_par_iter()
         .map_init(
             || Workspace::new(maps.light.width()),
             |workspace, at| {
-                let site = sites[at * sites.len() / count];
+                let vertex = at * sites.len() / count;
+                let site = sites[vertex];
                 let views: Vec<DVec3> =
                     VIEWS.into_iter().filter(|view| view.dot(site.normal) > LEAST_COSINE).collect();
                 let frame = tangent_frame(site.normal);
@@ -119,16 +121,17 @@ pub fn compare(
                     brute_force(brdf, &sky, light, &frame.as_mat3(), &shares, &locals)
                 };
                 let exact = look(workspace, Quality::Sixteen);
-                let fewer_rays = look(workspace, params.precompute.quality);
+                let fewer_rays = look(workspace, params.quality);
                 let dense = |workspace: &mut Workspace, quality| {
                     let values = workspace.transport(&sky, occluder, &site, &maps.light, quality);
                     received(values, maps, &light.radiance)
                 };
                 let full = dense(workspace, Quality::Sixteen);
-                let own = dense(workspace, params.precompute.quality);
-                workspace.transform();
-                let kept = workspace.select(maps.terms, params.precompute.coefficients);
-                let stored = [&all, &some].map(|lit| kept_received(&kept, maps, lit));
+                let own = dense(workspace, params.quality);
+                let kept = [&all_light, &stored].map(|relit| {
+                    let own = &relit[vertex * maps.terms..][..maps.terms];
+                    own.iter().map(|value| value.map(f64::from)).collect::<Vec<_>>()
+                });
                 let view = |arriving: &[[f64; 3]], local: DVec3| seen(maps, arriving, local);
                 let each = locals.iter().zip(exact).zip(fewer_rays);
                 each.map(|((local, exact), fewer_rays)| Colours {
@@ -136,8 +139,8 @@ pub fn compare(
                     fewer_rays,
                     terms: view(&full, *local),
                     uncut: view(&own, *local),
-                    all_light: view(&stored[0], *local),
-                    stored: view(&stored[1], *local),
+                    all_light: view(&kept[0], *local),
+                    stored: view(&kept[1], *local),
                 })
                 .collect()
             },
@@ -203,30 +206,6 @@ fn received(values: &[f32], maps: &BrdfMaps, radiance: &[[f32; 3]]) -> Vec<[f64;
         }
     }
     sums
-}
-
-/// The same of kept coefficients.
-fn kept_received(
-    kept: &crate::SparseVectors,
-    maps: &BrdfMaps,
-    light: &LitCoefficients,
-) -> Vec<[f64; 3]> {
-    let coding = Coding::of(maps.light_channels());
-    let mut start = 0;
-    let terms = kept.counts.iter().zip(&kept.largest).map(|(count, largest)| {
-        let entries = start..start + usize::from(*count);
-        start = entries.end;
-        let mut sum = [0.0; 3];
-        for at in entries {
-            let Ok(lit) = light.places().binary_search(&kept.places[at]) else { continue };
-            let (value, radiance) = (coding.decode(kept.codes[at]), light.values()[lit]);
-            for channel in 0..3 {
-                sum[channel] += f64::from(value[channel]) * f64::from(radiance[channel]);
-            }
-        }
-        sum.map(|v| v * f64::from(*largest / coding.top()))
-    });
-    terms.collect()
 }
 
 /// Σ_k h_k(wo) times what arrives for k.

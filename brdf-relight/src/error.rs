@@ -24,6 +24,12 @@ pub enum RelightError {
         /// What would do.
         expected: &'static str,
     },
+    /// Transport of which no components are found.
+    #[error("components of transport: {found}; expected finite transport")]
+    Components {
+        /// What was found.
+        found: String,
+    },
     /// Stored transport that is not whole.
     #[error("transport: {found}; expected {expected}")]
     Transport {

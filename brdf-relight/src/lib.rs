@@ -6,19 +6,23 @@
 //!
 //! Source: Wang, Tran and Luebke 2004.
 //!
-//! [`factor_for_relighting`] makes [`BrdfMaps`] of a BRDF, [`precompute`] a [`SparseTransport`] of a [`Surface`],
+//! [`factor_for_relighting`] makes [`BrdfMaps`] of a BRDF, [`Precomputation`] the [`Transport`] of a [`Surface`],
 //! a [`LightSampler`] the [`CubeLight`] of an environment, and [`picture`] a picture.
 
 mod bundle;
+mod clustered;
 mod coefficients;
 mod compare;
+mod components;
 pub mod cube;
 mod error;
 mod factor;
 mod frame;
+mod grouping;
 pub mod haar;
 mod light;
 mod maps;
+mod precompute;
 mod raster;
 mod scene;
 mod store;
@@ -27,6 +31,7 @@ mod transport;
 mod visibility;
 
 pub use bundle::{Occluder, TILE, Tile};
+pub use clustered::ClusteredTransport;
 pub use coefficients::{Coding, Selection};
 pub use compare::{CompareParams, Split, compare};
 pub use error::RelightError;
@@ -34,9 +39,10 @@ pub use factor::{LightMaps, MapParams, factor_for_relighting};
 pub use frame::tangent_frame;
 pub use light::{CubeLight, LightRule, LightSampler, LitCoefficients};
 pub use maps::{BrdfMaps, MapStack};
+pub use precompute::{Chunk, Codec, Precomputation, PrecomputeParams};
 pub use raster::{Shot, picture};
-pub use scene::{Part, PrecomputeParams, RelitScene, precompute};
-pub use store::{BLOCK, Codes, SparseTransport};
+pub use scene::{Part, RelitScene};
+pub use store::{BLOCK, Codes, SparseTransport, Transport};
 pub use surface::Surface;
 pub use transport::{Site, Sky, SparseVectors, Workspace};
 pub use visibility::{Quality, Visibility};

@@ -174,8 +174,43 @@ impl BrdfMaps {
         }
     }
 
+    /// How much a change of what a term receives changes what is seen: the RMS of its view map over the disc.
+    pub(crate) fn weighted_terms(&self) -> Terms {
+        let size = self.view.resolution();
+        let mut sums = vec![0.0_f64; self.terms];
+        for (at, texel) in self.view.texels().chunks_exact(self.view.width()).enumerate() {
+            let [x, y] = [at % size, at / size].map(|at| crate::cube::middle(at, size));
+            if x * x + y * y < 1.0 {
+                for (sum, values) in sums.iter_mut().zip(texel.as_chunks::<3>().0) {
+                    *sum += values.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
+                }
+            }
+        }
+        #[expect(clippy::cast_precision_loss, reason = "a count of texels")]
+        let disc = std::f64::consts::FRAC_PI_4 * (size * size) as f64;
+        #[expect(clippy::cast_possible_truncation, reason = "transport is f32")]
+        let weights = sums.iter().map(|sum| (sum / disc).sqrt() as f32).collect();
+        Terms { weights, channels: self.light_channels() }
+    }
+
     /// Values of a term's light map: one, or three.
     pub fn light_channels(&self) -> usize {
         self.light.width() / self.terms
+    }
+}
+
+/// Terms of a BRDF as transport needs them.
+#[derive(Clone, Debug)]
+pub(crate) struct Terms {
+    /// Of each.
+    pub(crate) weights: Vec<f32>,
+    /// Values of each in transport: one, or three.
+    pub(crate) channels: usize,
+}
+
+impl Terms {
+    /// Values of all of them.
+    pub(crate) fn width(&self) -> usize {
+        self.weights.len() * self.channels
     }
 }

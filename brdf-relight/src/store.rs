@@ -8,10 +8,73 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use crate::RelightError;
+use crate::clustered::ClusteredTransport;
 use crate::coefficients::Coding;
 use crate::cube::TEXELS;
 use crate::light::LitCoefficients;
 use crate::transport::SparseVectors;
+
+/// Transport as it is stored.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Transport<'a> {
+    /// Each vertex for itself.
+    Wavelets(SparseTransport<'a>),
+    /// Components that clusters of vertices share.
+    Clusters(ClusteredTransport<'a>),
+}
+
+impl Transport<'_> {
+    /// How numbers are stored.
+    pub fn coding(&self) -> Coding {
+        self.sparse().coding()
+    }
+
+    /// Number of vectors: vertices times terms.
+    pub fn vectors(&self) -> usize {
+        match self {
+            Self::Wavelets(transport) => transport.vectors(),
+            Self::Clusters(transport) => transport.vectors(),
+        }
+    }
+
+    /// Number of kept coefficients, of vertices or of components.
+    pub fn entries(&self) -> usize {
+        self.sparse().entries()
+    }
+
+    /// Bytes as stored.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Wavelets(transport) => transport.bytes(),
+            Self::Clusters(transport) => transport.bytes(),
+        }
+    }
+
+    /// Products of all vectors with light, red, green and blue for each, into `out`; `scratch` is memory that is used
+    /// again.
+    ///
+    /// # Panics
+    ///
+    /// Unless `out` has room for each vector.
+    pub fn relight(
+        &self,
+        light: &LitCoefficients,
+        scratch: &mut Vec<[f32; 3]>,
+        out: &mut [[f32; 3]],
+    ) {
+        match self {
+            Self::Wavelets(transport) => transport.relight(light, out),
+            Self::Clusters(transport) => transport.relight(light, scratch, out),
+        }
+    }
+
+    fn sparse(&self) -> &SparseTransport<'_> {
+        match self {
+            Self::Wavelets(transport) => transport,
+            Self::Clusters(transport) => transport.parts().0,
+        }
+    }
+}
 
 /// Vectors of a block; their numbers within it fit sixteen bits.
 pub const BLOCK: usize = 8192;
@@ -48,8 +111,8 @@ impl Codes<'_> {
 }
 
 impl SparseTransport<'static> {
-    /// Orders the vectors of vertices, each of which has the same number of terms.
-    pub fn of(coding: Coding, vertices: &[SparseVectors]) -> Self {
+    /// Orders the vectors of vertices, or of components, each of which has the same number of terms.
+    pub fn of(coding: Coding, vertices: &[&SparseVectors]) -> Self {
         let scales: Vec<f32> =
             vertices.iter().flat_map(|v| &v.largest).map(|v| v / coding.top()).collect();
         // Where each vector's entries start within its vertex.
@@ -59,7 +122,7 @@ impl SparseTransport<'static> {
                 let ends = vertex.counts.iter().scan(0, |end, count| {
                     let start = *end;
                     *end += usize::from(*count);
-                    Some((vertex, start, *end))
+                    Some((*vertex, start, *end))
                 });
                 ends.collect::<Vec<_>>()
             })

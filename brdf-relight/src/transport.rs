@@ -4,10 +4,11 @@ use glam::{DVec3, Mat3, Vec3};
 
 use crate::bundle::Occluder;
 use crate::coefficients::{Coding, Selection, magnitudes};
+use crate::components::Entries;
 use crate::cube::{FACE_TEXELS, TEXELS, direction, solid_angle};
 use crate::frame::tangent_frame;
 use crate::haar;
-use crate::maps::MapStack;
+use crate::maps::{BrdfMaps, MapStack, Terms};
 use crate::visibility::{Quality, Visibility};
 
 /// A vertex: where it is looked from, and its normal.
@@ -19,7 +20,7 @@ pub struct Site {
     pub normal: DVec3,
 }
 
-/// Kept coefficients of one vertex, term after term.
+/// Kept coefficients of one vertex, or of one component of a cluster, term after term.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SparseVectors {
     /// Largest magnitude of any channel, for each term.
@@ -30,6 +31,27 @@ pub struct SparseVectors {
     pub places: Vec<u16>,
     /// Their values as codes.
     pub codes: Vec<u32>,
+}
+
+impl SparseVectors {
+    /// Adds a term of which no channel is above `largest`; what rounds to 0 is left out.
+    pub(crate) fn add_term<'a>(
+        &mut self,
+        largest: f32,
+        values: impl Iterator<Item = (u16, &'a [f32])>,
+        coding: Coding,
+    ) {
+        let before = self.places.len();
+        for (place, value) in values {
+            let code = coding.encode(value, largest);
+            if code != 0 {
+                self.places.push(place);
+                self.codes.push(code);
+            }
+        }
+        self.largest.push(largest);
+        self.counts.push(u16::try_from(self.places.len() - before).unwrap_or(u16::MAX));
+    }
 }
 
 /// Texels of the sky as f32.
@@ -160,19 +182,45 @@ impl Workspace {
             let of = |place: u16| &self.values[usize::from(place) * width + first..][..channels];
             let all = self.places.iter().flat_map(|place| of(*place));
             let largest = all.fold(0.0_f32, |most, v| most.max(v.abs()));
-            let before = kept.places.len();
-            for place in &self.places {
-                let code = coding.encode(of(*place), largest);
-                if code != 0 {
-                    kept.places.push(*place);
-                    kept.codes.push(code);
-                }
-            }
-            kept.largest.push(largest);
-            kept.counts.push(u16::try_from(kept.places.len() - before).unwrap_or(u16::MAX));
+            kept.add_term(largest, self.places.iter().map(|place| (*place, of(*place))), coding);
         }
         kept
     }
+
+    /// Coefficients, times the weight of their term, that hold an energy of at least `least`.
+    pub(crate) fn gather(&self, terms: &Terms, least: f32) -> Entries {
+        let mut entries = Entries::default();
+        let faces = self.values.chunks_exact(FACE_TEXELS * terms.width()).enumerate();
+        for (face, values) in faces.filter(|(face, _)| self.lit[*face]) {
+            let first = face * FACE_TEXELS * terms.weights.len();
+            let weights = terms.weights.iter().cycle();
+            for ((column, values), weight) in
+                (first..).zip(values.chunks_exact(terms.channels)).zip(weights)
+            {
+                let energy = weight * weight * values.iter().map(|v| v * v).sum::<f32>();
+                if energy >= least && energy > 0.0 {
+                    entries.columns.push(u32::try_from(column).unwrap_or(u32::MAX));
+                    entries.values.extend(values.iter().map(|v| weight * v));
+                }
+            }
+        }
+        entries
+    }
+}
+
+/// What a vertex that sees the whole sky holds: the sum of squares of its transport, times those of the weights of terms.
+pub(crate) fn open_energy(sky: &Sky, maps: &BrdfMaps, terms: &Terms) -> f64 {
+    let mut values = vec![0.0; terms.width()];
+    let texels = sky.directions.iter().zip(&sky.solid_angles);
+    let energies = texels.filter(|(direction, _)| direction.z > 0.0).map(|(direction, angle)| {
+        maps.light.read(*direction, direction.z * angle, &mut values);
+        let each = values.chunks_exact(terms.channels).zip(&terms.weights);
+        each.map(|(values, weight)| {
+            f64::from(*weight).powi(2) * values.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>()
+        })
+        .sum::<f64>()
+    });
+    energies.sum()
 }
 
 struct Weigh<'a> {

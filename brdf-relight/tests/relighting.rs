@@ -148,50 +148,52 @@ fn transport_and_its_wavelets_are_brute_force_before_they_are_cut() {
     }
 }
 
+/// Vertices of a torus, with the options of a test.
+fn plan(surface: Surface, maps: &BrdfMaps, codec: Codec, quality: Quality) -> Precomputation {
+    Precomputation::new(&torus(), surface, maps.clone(), PrecomputeParams { codec, quality })
+}
+
+/// In pools of one and of two threads, the same twice.
+fn with_threads<T: PartialEq>(make: impl Fn() -> T + Sync + Send) -> T
+where
+    T: Send,
+{
+    let [one, two] = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(&make)
+    });
+    assert!(one == two, "threads change nothing");
+    one
+}
+
 #[test]
 fn the_store_multiplies_what_vectors_hold_whatever_the_threads() {
-    let mesh = torus();
-    let (occluder, surface) = (Occluder::of(&mesh), Surface::of(&mesh));
+    let occluder = Occluder::of(&torus());
     let lit = LightSampler::default().light(&environment(), 0.0).coefficients(LightRule::Energy);
     for (light_maps, rank) in [(LightMaps::Rgb, 4), (LightMaps::Joint, 6)] {
         let maps = maps("light-brown-plastic", rank, light_maps);
-        let params = PrecomputeParams { coefficients: 60, quality: Quality::One };
-        let make = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| {
-                let vectors =
-                    precompute(&mesh, &occluder, &surface, 0..3000, &maps, &params, &|| ());
-                let store = SparseTransport::of(Coding::of(maps.light_channels()), &vectors);
-                let mut out = vec![[0.0; 3]; store.vectors()];
-                store.relight(&lit, &mut out);
-                (vectors, store, out)
-            })
-        };
-        let (vectors, store, out) = make(1);
-        let (_, again, two) = make(2);
-        assert!(store == again && out == two, "threads change nothing");
-        assert_eq!(store.vectors(), 3000 * maps.terms);
+        let codec = Codec::Wavelet { coefficients: 60 };
+        let (vectors, store, out) = with_threads(|| {
+            let work = plan(Surface::of(&torus()), &maps, codec, Quality::One);
+            let chunks = 0..work.chunks().len().min(7);
+            let made: Vec<Chunk> = chunks.map(|at| work.make(&occluder, at).unwrap()).collect();
+            let vectors: Vec<SparseVectors> = made.into_iter().flat_map(|c| c.vectors).collect();
+            let all: Vec<&SparseVectors> = vectors.iter().collect();
+            let store = SparseTransport::of(Coding::of(maps.light_channels()), &all);
+            let mut out = vec![[0.0; 3]; store.vectors()];
+            store.relight(&lit, &mut out);
+            (vectors, store, out)
+        });
+        assert_eq!(store.vectors(), 7 * 256 * maps.terms);
         let coding = store.coding();
         for (vertex, kept) in vectors.iter().enumerate().step_by(311) {
-            let mut start = 0;
-            for term in 0..maps.terms {
-                let end = start + usize::from(kept.counts[term]);
-                let mut sum = [0.0_f64; 3];
-                for at in start..end {
-                    let Ok(place) = lit.places().binary_search(&kept.places[at]) else { continue };
-                    let value = decoded(coding, kept.codes[at], kept.largest[term]);
-                    for channel in 0..3 {
-                        sum[channel] += value[channel] * f64::from(lit.values()[place][channel]);
-                    }
-                }
-                start = end;
+            for (term, sum) in products(kept, coding, &lit).into_iter().enumerate() {
                 let found = out[vertex * maps.terms + term];
                 let scale = sum.iter().fold(1e-3_f64, |most, v| most.max(v.abs()));
                 for (found, wanted) in found.iter().zip(sum) {
                     assert!((f64::from(*found) - wanted).abs() < 1e-3 * scale, "{found}, {wanted}");
                 }
             }
-            assert_eq!(start, kept.places.len());
         }
         let (scales, offsets, owners, codes) = store.parts();
         let back =
@@ -201,6 +203,110 @@ fn the_store_multiplies_what_vectors_hold_whatever_the_threads() {
             SparseTransport::new(scales.into(), offsets[1..].into(), owners.into(), codes.clone());
         assert!(matches!(broken, Err(RelightError::Transport { .. })));
     }
+}
+
+/// Products of the terms of a vertex, or of a component, with light.
+fn products(kept: &SparseVectors, coding: Coding, lit: &LitCoefficients) -> Vec<[f64; 3]> {
+    let mut start = 0;
+    let terms = kept.counts.iter().zip(&kept.largest).map(|(count, largest)| {
+        let end = start + usize::from(*count);
+        let mut sum = [0.0_f64; 3];
+        for at in start..end {
+            let Ok(place) = lit.places().binary_search(&kept.places[at]) else { continue };
+            let value = decoded(coding, kept.codes[at], *largest);
+            for channel in 0..3 {
+                sum[channel] += value[channel] * f64::from(lit.values()[place][channel]);
+            }
+        }
+        start = end;
+        sum
+    });
+    terms.collect()
+}
+
+#[test]
+fn clusters_stand_for_their_vertices() {
+    let all = Surface::of(&torus());
+    let first = |vectors: &[DVec3]| vectors[..600].to_vec();
+    let some = Surface {
+        positions: first(&all.positions),
+        normals: first(&all.normals),
+        triangles: Vec::new(),
+    };
+    let occluder = Occluder::of(&torus());
+    let lit = LightSampler::default().light(&environment(), 0.0).coefficients(LightRule::All);
+    for (light_maps, rank) in [(LightMaps::Rgb, 2), (LightMaps::Joint, 6)] {
+        let maps = maps("light-brown-plastic", rank, light_maps);
+        let run = |codec| {
+            let work = plan(some.clone(), &maps, codec, Quality::One);
+            work.run(&occluder).unwrap().transport
+        };
+        let relit = |transport: &Transport<'_>| {
+            let mut out = vec![[0.0; 3]; transport.vectors()];
+            transport.relight(&lit, &mut Vec::new(), &mut out);
+            out
+        };
+        let apart = |found: &[[f32; 3]], wanted: &[[f32; 3]]| {
+            let sum = |of: &mut dyn Iterator<Item = f32>| of.map(|v| f64::from(v * v)).sum::<f64>();
+            let pairs = found.as_flattened().iter().zip(wanted.as_flattened());
+            let apart = sum(&mut pairs.map(|(a, b)| a - b));
+            (apart / sum(&mut wanted.as_flattened().iter().copied())).sqrt()
+        };
+        let exact = relit(&run(Codec::Wavelet { coefficients: TEXELS }));
+        let mut last = (0, f64::INFINITY);
+        for tolerance in [1e-3, 1e-5] {
+            let transport = with_threads(|| run(Codec::Clusters { tolerance }));
+            let error = apart(&relit(&transport), &exact);
+            assert!(transport.bytes() > last.0 && error < 0.8 * last.1, "{tolerance}: {error}");
+            last = (transport.bytes(), error);
+        }
+        assert!(last.1 < 0.03, "{}", last.1);
+        let wavelets = run(Codec::Wavelet { coefficients: 96 });
+        let error = apart(&relit(&wavelets), &exact);
+        let bytes = wavelets.bytes();
+        assert!(last.0 < bytes && last.1 < error, "{last:?} and {bytes}, {error}");
+    }
+}
+
+#[test]
+fn components_multiply_what_chunks_hold() {
+    let occluder = Occluder::of(&torus());
+    let lit = LightSampler::default().light(&environment(), 0.0).coefficients(LightRule::Energy);
+    let maps = maps("light-brown-plastic", 2, LightMaps::Joint);
+    let codec = Codec::Clusters { tolerance: 1e-4 };
+    let work = plan(Surface::of(&torus()), &maps, codec, Quality::One);
+    let clusters = work.chunks().to_vec();
+    let made: Vec<Chunk> =
+        (0..clusters.len()).map(|at| work.make(&occluder, at).unwrap()).collect();
+    let Transport::Clusters(store) = work.assemble(&made).transport else {
+        panic!("clusters were asked for");
+    };
+    let mut out = vec![[0.0; 3]; clusters.concat().len() * maps.terms];
+    Transport::Clusters(store.clone()).relight(&lit, &mut Vec::new(), &mut out);
+    for (cluster, made) in clusters.iter().zip(&made) {
+        let lit: Vec<_> =
+            made.vectors.iter().map(|vector| products(vector, Coding::Scalar, &lit)).collect();
+        let weights = made.weights.chunks_exact(lit.len());
+        for (vertex, weights) in cluster.iter().zip(weights).step_by(61) {
+            for term in 0..maps.terms {
+                let parts = weights.iter().zip(&lit);
+                let wanted: f64 =
+                    parts.map(|(weight, lit)| f64::from(*weight) / 32767.0 * lit[term][1]).sum();
+                let found = f64::from(out[*vertex as usize * maps.terms + term][1]);
+                assert!((found - wanted).abs() < 1e-4 * (1.0 + wanted.abs()), "{found}, {wanted}");
+            }
+        }
+    }
+    let (components, vertices, first, weights) = store.parts();
+    let rebuilt = |vertices: &[u16], weights: &[i16], terms| {
+        let (vertices, weights) = (vertices.to_vec().into(), weights.to_vec().into());
+        ClusteredTransport::new(components.clone(), terms, vertices, first.to_vec().into(), weights)
+    };
+    assert_eq!(rebuilt(vertices, weights, maps.terms).unwrap(), store);
+    assert!(rebuilt(vertices, &weights[1..], maps.terms).is_err(), "a weight too few");
+    assert!(rebuilt(vertices, weights, 2).is_err(), "other terms");
+    let beyond = vec![u16::MAX; vertices.len()];
+    assert!(rebuilt(&beyond, weights, maps.terms).is_err(), "a cluster that is not there");
 }
 
 /// What the documentation of codes says, without the library's decoder.
@@ -227,13 +333,11 @@ fn more_terms_and_coefficients_come_closer_to_brute_force() {
     let occluder = Occluder::of(&mesh);
     let brdf = Preset::find("light-brown-plastic").unwrap().brdf();
     let split = |rank, coefficients| {
-        let params = CompareParams {
-            vertices: 12,
-            precompute: PrecomputeParams { coefficients, quality: Quality::Adaptive },
-            rule: LightRule::Energy,
-        };
+        let params = CompareParams { vertices: 12, quality: Quality::One, rule: LightRule::Energy };
         let maps = maps("light-brown-plastic", rank, LightMaps::Joint);
-        compare(&mesh, &occluder, &brdf, &maps, &light, &params)
+        let codec = Codec::Wavelet { coefficients };
+        let part = plan(Surface::of(&mesh), &maps, codec, params.quality).run(&occluder).unwrap();
+        compare(&part, &occluder, &brdf, &light, &params)
     };
     let (few, many) = (split(2, 24), split(12, 192));
     assert!(many.rank < 0.7 * few.rank, "{many:?} and {few:?}");
@@ -252,11 +356,9 @@ fn the_picture_shows_the_shadow_and_matches_brute_force_at_a_pixel() {
     let maps = maps("light-brown-plastic", 12, LightMaps::Joint);
     let diffuse = BrdfMaps::diffuse(0.5);
     let light = LightSampler::default().light(&environment(), 0.0);
-    let params = PrecomputeParams { coefficients: 200, quality: Quality::One };
     let part = |surface: Surface, maps: &BrdfMaps| {
-        let all = 0..surface.positions.len();
-        let vectors = precompute(&mesh, &occluder, &surface, all, maps, &params, &|| ());
-        Part::new(surface, maps, &vectors)
+        let codec = Codec::Clusters { tolerance: 1e-5 };
+        plan(surface, maps, codec, Quality::One).run(&occluder).unwrap()
     };
     let parts = [part(Surface::of(&mesh), &maps), part(Surface::ground(&mesh), &diffuse)];
     let mut relit = RelitScene::default();

@@ -3,5 +3,5 @@
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let _ = brdf_io::parse_relight(data);
-    let _ = brdf_io::vectors_from_bytes(data);
+    let _ = brdf_io::chunk_from_bytes(data);
 });

@@ -1,35 +1,38 @@
 //! Transport as a file: any bytes give a value or an error, never a panic, and what is read can be used; what is
 //! written comes back.
 
-use brdf_io::{
-    RelightRecord, parse_relight, relight_to_bytes, vectors_from_bytes, vectors_to_bytes,
-};
+use brdf_io::{RelightRecord, chunk_from_bytes, chunk_to_bytes, parse_relight, relight_to_bytes};
 use brdf_relight::{
-    BrdfMaps, CubeLight, LightMaps, LightRule, MapParams, Occluder, Part, PrecomputeParams,
-    Quality, RelitScene, Shot, SparseVectors, Surface, picture, precompute,
+    BrdfMaps, Chunk, Codec, CubeLight, LightMaps, LightRule, MapParams, Occluder, Part,
+    Precomputation, PrecomputeParams, Quality, RelitScene, Shot, Surface, picture,
 };
 use brdf_render::{Camera, Mesh, Soup};
 use glam::DVec3;
 
+const CODECS: [Codec; 2] =
+    [Codec::Wavelet { coefficients: 3 }, Codec::Clusters { tolerance: 1e-3 }];
+
 /// A triangle and a half of another.
-fn transport() -> (Vec<Part<'static>>, Vec<SparseVectors>, RelightRecord) {
+fn transport(codec: Codec) -> (Vec<Part<'static>>, Vec<Chunk>, RelightRecord) {
     let soup = Soup {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Z, DVec3::Y],
         triangles: vec![[0, 2, 1], [0, 1, 3]],
         ..Soup::default()
     };
     let (mesh, _) = Mesh::new(soup).unwrap();
-    let params = PrecomputeParams { coefficients: 3, quality: Quality::One };
+    let params = PrecomputeParams { codec, quality: Quality::One };
     let (surface, maps) = (Surface::of(&mesh), BrdfMaps::diffuse(0.5));
-    let all = 0..surface.positions.len();
-    let vectors = precompute(&mesh, &Occluder::of(&mesh), &surface, all, &maps, &params, &|| ());
+    let work = Precomputation::new(&mesh, surface, maps, params);
+    let occluder = Occluder::of(&mesh);
+    let chunks: Vec<Chunk> =
+        (0..work.chunks().len()).map(|at| work.make(&occluder, at).unwrap()).collect();
     let record = RelightRecord {
         mesh: "two.obj".to_owned(),
         brdf: "matt".to_owned(),
         maps: MapParams { rank: 1, light_maps: LightMaps::Joint, resolution: 2, weight_power: 0.0 },
         precompute: params,
     };
-    (vec![Part::new(surface, &maps, &vectors)], vectors, record)
+    (vec![work.assemble(&chunks)], chunks, record)
 }
 
 fn use_transport(bytes: &[u8]) -> bool {
@@ -43,36 +46,42 @@ fn use_transport(bytes: &[u8]) -> bool {
 
 #[test]
 fn what_is_written_comes_back() {
-    let (parts, vectors, record) = transport();
-    let bytes = relight_to_bytes(&parts, &record).unwrap();
-    let file = parse_relight(&bytes).unwrap();
-    assert_eq!(file.record, record);
-    assert_eq!(file.parts[0].transport, parts[0].transport);
-    assert_eq!(file.parts[0].maps, parts[0].maps);
-    assert_eq!(file.parts[0].surface.triangles, parts[0].surface.triangles);
-    assert_eq!(relight_to_bytes(&file.parts, &file.record).unwrap(), bytes);
-    assert_eq!(vectors_from_bytes(&vectors_to_bytes(&vectors)).unwrap(), vectors);
+    for codec in CODECS {
+        let (parts, chunks, record) = transport(codec);
+        let bytes = relight_to_bytes(&parts, &record).unwrap();
+        let file = parse_relight(&bytes).unwrap();
+        assert_eq!(file.record, record);
+        assert_eq!(file.parts[0].transport, parts[0].transport);
+        assert_eq!(file.parts[0].maps, parts[0].maps);
+        assert_eq!(file.parts[0].surface.triangles, parts[0].surface.triangles);
+        assert_eq!(relight_to_bytes(&file.parts, &file.record).unwrap(), bytes);
+        for chunk in chunks {
+            assert_eq!(chunk_from_bytes(&chunk_to_bytes(&chunk)).unwrap(), chunk);
+        }
+    }
 }
 
 #[test]
 fn damaged_files_are_refused_or_usable() {
-    let (parts, vectors, record) = transport();
-    let bytes = relight_to_bytes(&parts, &record).unwrap();
-    assert!(use_transport(&bytes), "whole");
-    // Offsets make most of the file: its head is damaged everywhere, the rest here and there.
-    let places = (0..3000).chain((3000..bytes.len()).step_by(97));
-    for at in places {
-        for flip in [0x01, 0x80, 0xff] {
-            let mut damaged = bytes.clone();
-            damaged[at.min(bytes.len() - 1)] ^= flip;
-            use_transport(&damaged);
+    for codec in CODECS {
+        let (parts, chunks, record) = transport(codec);
+        let bytes = relight_to_bytes(&parts, &record).unwrap();
+        assert!(use_transport(&bytes), "whole");
+        // Offsets make most of the file: its head is damaged everywhere, the rest here and there.
+        let places = (0..3000).chain((3000..bytes.len()).step_by(97));
+        for at in places {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[at.min(bytes.len() - 1)] ^= flip;
+                use_transport(&damaged);
+            }
         }
-    }
-    for length in (0..bytes.len()).step_by(211) {
-        assert!(!use_transport(&bytes[..length]), "cut to {length}");
-    }
-    let chunk = vectors_to_bytes(&vectors);
-    for length in 0..chunk.len() {
-        let _ = vectors_from_bytes(&chunk[..length]);
+        for length in (0..bytes.len()).step_by(211) {
+            assert!(!use_transport(&bytes[..length]), "cut to {length}");
+        }
+        let chunk = chunk_to_bytes(&chunks[0]);
+        for length in 0..chunk.len() {
+            let _ = chunk_from_bytes(&chunk[..length]);
+        }
     }
 }

@@ -46,8 +46,7 @@ pub use basis::{BasisFile, BasisRecord, basis_to_bytes, parse_basis};
 pub use btf::{BtfModelFile, BtfRecord, btf_model_to_bytes, open_btf_model, parse_btf_model};
 pub use painted::{PaintRecord, PaintedFile, painted_to_bytes, parse_painted};
 pub use relight::{
-    RelightFile, RelightRecord, parse_relight, relight_to_bytes, vectors_from_bytes,
-    vectors_to_bytes,
+    RelightFile, RelightRecord, chunk_from_bytes, chunk_to_bytes, parse_relight, relight_to_bytes,
 };
 pub use separable::{
     RankRecord, SeparableFile, SeparableRecord, SeparableSettings, separable_to_bytes,

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use brdf_relight::{
-    BrdfMaps, Codes, Coding, MapParams, MapStack, Part, PrecomputeParams, SparseTransport,
-    SparseVectors, Surface,
+    BrdfMaps, Chunk, ClusteredTransport, Codec, Codes, Coding, MapParams, MapStack, Part,
+    PrecomputeParams, SparseTransport, SparseVectors, Surface, Transport,
 };
 use bytemuck::Pod;
 use glam::DVec3;
@@ -63,7 +63,6 @@ pub fn relight_to_bytes(
     let mut tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)> = Vec::new();
     for (index, part) in parts.iter().enumerate() {
         let Part { surface, maps, transport, .. } = part;
-        let (scales, offsets, owners, codes) = transport.parts();
         let mut add = |name: &str, kind, shape: &[usize], bytes| {
             tensors.push((name_of(index, name), kind, shape.to_vec(), bytes));
         };
@@ -76,6 +75,17 @@ pub fn relight_to_bytes(
             let shape = [map.resolution(), map.resolution(), map.width()];
             add(name, Dtype::F32, &shape, little(map.texels()));
         }
+        let sparse = match transport {
+            Transport::Wavelets(sparse) => sparse,
+            Transport::Clusters(clustered) => {
+                let (components, clusters, first, weights) = clustered.parts();
+                add("clusters", Dtype::U16, &[clusters.len()], little(clusters));
+                add("components", Dtype::U32, &[first.len()], little(first));
+                add("weights", Dtype::I16, &[weights.len()], little(weights));
+                components
+            }
+        };
+        let (scales, offsets, owners, codes) = sparse.parts();
         add("scales", Dtype::F32, &[scales.len()], little(scales));
         add("offsets", Dtype::U32, &[offsets.len()], little(offsets));
         add("owners", Dtype::U16, &[owners.len()], little(owners));
@@ -157,9 +167,19 @@ pub fn parse_relight(bytes: &[u8]) -> Result<RelightFile<'_>, FormatError> {
             normals: triples("normals")?,
             triangles: corners.as_chunks::<3>().0.to_vec(),
         };
-        let transport = SparseTransport::new(scales, offsets, owners, codes);
-        let transport = transport.map_err(|e| library("transport", &e))?;
-        Part::with_transport(surface, maps, transport).map_err(|e| library("transport", &e))
+        let refused = |e| library("transport", &e);
+        let sparse = SparseTransport::new(scales, offsets, owners, codes).map_err(refused)?;
+        let transport = match record.made.precompute.codec {
+            Codec::Wavelet { .. } => Transport::Wavelets(sparse),
+            Codec::Clusters { .. } => {
+                let clusters = mapped(array("clusters", Dtype::U16, 1)?.1);
+                let first = mapped(array("components", Dtype::U32, 1)?.1);
+                let weights = mapped(array("weights", Dtype::I16, 1)?.1);
+                let made = ClusteredTransport::new(sparse, *terms, clusters, first, weights);
+                Transport::Clusters(made.map_err(refused)?)
+            }
+        };
+        Part::with_transport(surface, maps, transport).map_err(refused)
     });
     Ok(RelightFile { parts: parts.collect::<Result<_, _>>()?, record: record.made })
 }
@@ -197,7 +217,7 @@ macro_rules! little {
     )*};
 }
 
-little!(f32, u32, u16);
+little!(f32, u32, u16, i16);
 
 /// An array where it lies, if it is aligned and this machine stores numbers as files do; else a copy.
 fn mapped<T: Pod + Little>(bytes: &[u8]) -> Cow<'_, [T]> {
@@ -207,39 +227,42 @@ fn mapped<T: Pod + Little>(bytes: &[u8]) -> Cow<'_, [T]> {
     }
 }
 
-/// The vectors of some vertices as bytes, for a [`crate::ChunkLog`].
-pub fn vectors_to_bytes(vertices: &[SparseVectors]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    for vertex in vertices {
-        for count in [vertex.counts.len(), vertex.places.len()] {
-            bytes.extend(u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes());
-        }
-        bytes.extend(little(&vertex.largest));
-        bytes.extend(little(&vertex.counts));
-        bytes.extend(little(&vertex.places));
-        bytes.extend(little(&vertex.codes));
+/// What is made of a chunk as bytes, for a [`crate::ChunkLog`].
+pub fn chunk_to_bytes(chunk: &Chunk) -> Vec<u8> {
+    let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
+    let mut bytes = count(chunk.weights.len()).to_vec();
+    bytes.extend(little(&chunk.weights));
+    for vector in &chunk.vectors {
+        bytes.extend(count(vector.counts.len()));
+        bytes.extend(count(vector.places.len()));
+        bytes.extend(little(&vector.largest));
+        bytes.extend(little(&vector.counts));
+        bytes.extend(little(&vector.places));
+        bytes.extend(little(&vector.codes));
     }
     bytes
 }
 
-/// Reads what [`vectors_to_bytes`] made.
+/// Reads what [`chunk_to_bytes`] made.
 ///
 /// # Errors
 ///
 /// [`FormatError::PastEnd`] for bytes that end too early.
-pub fn vectors_from_bytes(bytes: &[u8]) -> Result<Vec<SparseVectors>, FormatError> {
-    let (mut cursor, mut vertices) = (Cursor::new(bytes, 0), Vec::new());
+pub fn chunk_from_bytes(bytes: &[u8]) -> Result<Chunk, FormatError> {
+    let mut cursor = Cursor::new(bytes, 0);
+    let count = cursor.u32("number of weights")? as usize;
+    let weights = read_all(cursor.take(2 * count, "weights")?);
+    let mut chunk = Chunk { vectors: Vec::new(), weights };
     while cursor.offset() < bytes.len() {
         let (terms, entries) = (cursor.u32("terms")? as usize, cursor.u32("entries")? as usize);
-        let vertex = SparseVectors {
+        chunk.vectors.push(SparseVectors {
             largest: read_all(cursor.take(4 * terms, "largest values")?),
             counts: read_all(cursor.take(2 * terms, "counts")?),
             places: read_all(cursor.take(2 * entries, "places")?),
             codes: read_all(cursor.take(4 * entries, "codes")?),
-        };
-        vertices.push(vertex);
+        });
     }
-    Ok(vertices)
+    Ok(chunk)
 }
 
 fn read_all<T: Pod + Little>(bytes: &[u8]) -> Vec<T> {

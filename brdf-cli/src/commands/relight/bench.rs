@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use brdf_relight::{LightSampler, Occluder, RelitScene, picture, precompute};
+use brdf_relight::{LightSampler, Occluder, Precomputation, RelightError, RelitScene, picture};
+use rayon::prelude::*;
 use serde_json::json;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
@@ -13,8 +14,7 @@ use crate::numbers::bytes as shown_bytes;
 
 /// Time new light and new views of a precomputed object
 ///
-/// Frames have one point a pixel unless --points says otherwise. Precomputation is timed on 2,048 vertices of each part, and stands for
-/// all.
+/// Frames have one point a pixel unless --points says otherwise. Precomputation is timed on a dozen chunks of each part, which stand for all.
 ///
 /// Example: brdf relight bench bunny.prt --env grace.hdr
 #[derive(clap::Args)]
@@ -37,8 +37,8 @@ pub(in crate::commands) struct Bench {
     json: bool,
 }
 
-/// Vertices of each part that precomputation is timed on.
-const TIMED: usize = 2048;
+/// Chunks of each part that precomputation is timed on.
+const TIMED: usize = 12;
 
 impl Bench {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
@@ -69,14 +69,20 @@ impl Bench {
         let occluder = Occluder::of(&mesh);
         let mut seconds = 0.0;
         for part in &file.parts {
-            let count = part.surface.positions.len();
-            let first = (count - count.min(TIMED)) / 2;
-            let range = first..first + count.min(TIMED);
+            let (surface, maps) = (part.surface.clone(), part.maps.clone());
+            let vertices = surface.positions.len();
+            let work = Precomputation::new(&mesh, surface, maps, file.record.precompute);
+            let chunks = work.chunks().len();
+            let every = chunks.div_ceil(TIMED);
+            let timed: Vec<usize> = (0..chunks).step_by(every).collect();
             let start = Instant::now();
-            let params = &file.record.precompute;
-            precompute(&mesh, &occluder, &part.surface, range.clone(), &part.maps, params, &|| ());
+            let made = timed.par_iter().map(|chunk| {
+                work.make(&occluder, *chunk)?;
+                Ok(work.chunks()[*chunk].len())
+            });
+            let done = made.sum::<Result<usize, RelightError>>()?;
             #[expect(clippy::cast_precision_loss, reason = "counts of vertices")]
-            let share = count as f64 / range.len() as f64;
+            let share = vertices as f64 / done as f64;
             seconds += start.elapsed().as_secs_f64() * share;
         }
         let transport: usize = file.parts.iter().map(|part| part.transport.bytes()).sum();

@@ -58,13 +58,13 @@ impl Compare {
         let light = self.light.light()?;
         let params = CompareParams {
             vertices: self.vertices as usize,
-            precompute: file.record.precompute,
+            quality: file.record.precompute.quality,
             rule: self.light.rule(),
         };
-        let maps = &file.parts.first().context("no parts")?.maps;
+        let part = file.parts.first().context("no parts")?;
         let progress = Progress::new(1);
         progress.step("brute force");
-        let split = compare(&mesh, &Occluder::of(&mesh), subject.brdf(), maps, &light, &params);
+        let split = compare(part, &Occluder::of(&mesh), subject.brdf(), &light, &params);
         drop(progress);
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&split)?)?;

@@ -5,19 +5,21 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use anyhow::Context as _;
 use brdf_io::{
-    ChunkLog, ReadOptions, RelightRecord, check_overwrite, relight_to_bytes, vectors_from_bytes,
-    vectors_to_bytes, write_atomically,
+    ChunkLog, ReadOptions, RelightRecord, check_overwrite, chunk_from_bytes, chunk_to_bytes,
+    relight_to_bytes, write_atomically,
 };
 use brdf_relight::{
-    BrdfMaps, LightMaps, MapParams, Occluder, Part, PrecomputeParams, Quality, SparseVectors,
-    Surface, factor_for_relighting, precompute,
+    BrdfMaps, Chunk, Codec, LightMaps, MapParams, Occluder, Part, Precomputation, PrecomputeParams,
+    Quality, RelightError, Surface, Transport, factor_for_relighting,
 };
 use clap::ValueEnum;
+use rayon::prelude::*;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
-use crate::args::{ForceArgs, not_negative};
+use crate::args::{ForceArgs, not_negative, usage};
 use crate::meshes::open_mesh;
 use crate::numbers::bytes as shown_bytes;
 use crate::progress::Progress;
@@ -25,8 +27,8 @@ use crate::subject::Subject;
 
 /// Find how an object answers light from everywhere
 ///
-/// For each vertex and term of the factored BRDF: what of the sky reaches it, in wavelets, cut to the largest
-/// coefficients. An interrupted run leaves NAME.part beside the output, from which --resume goes on.
+/// For each vertex and term of the factored BRDF: what of the sky reaches it, in wavelets; either their largest for
+/// each vertex, or those of components that clusters of vertices share. An interrupted run leaves NAME.part beside the output, from which --resume goes on.
 ///
 /// Example: brdf relight precompute bunny.ply --brdf preset:plastic --ground -o bunny.prt
 #[derive(clap::Args)]
@@ -50,9 +52,17 @@ pub(in crate::commands) struct Precompute {
     #[arg(long, value_enum)]
     light_maps: Option<LightMapsArg>,
 
-    /// Most wavelet coefficients of each vertex and term
-    #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u64).range(1..=24_576))]
-    coefficients: u64,
+    /// How it is stored
+    #[arg(long, value_enum, default_value_t = CodecArg::Clusters)]
+    codec: CodecArg,
+
+    /// Clusters: share of an open vertex's energy below which numbers are dropped [default: 1e-5]
+    #[arg(long, value_name = "SHARE", value_parser = tolerance)]
+    tolerance: Option<f64>,
+
+    /// Wavelet: most coefficients of each vertex and term [default: 96]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=24_576))]
+    coefficients: Option<u64>,
 
     /// Power of the cosine in the weights of the factorization; .5 helps materials that are bright at grazing
     /// directions, from 8 terms on
@@ -103,10 +113,25 @@ enum QualityArg {
     Sixteen,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CodecArg {
+    /// The largest coefficients of each vertex (the paper's)
+    Wavelet,
+    /// Principal components of clusters of vertices: smaller and closer
+    Clusters,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if (1e-9..=0.1).contains(&share) => Ok(share),
+        _ => Err("expected a share from 1e-9 to .1, such as 1e-5".to_owned()),
+    }
+}
+
 /// What the ground reflects.
 const GROUND_ALBEDO: f32 = 0.35;
-/// Vertices of a chunk of work.
-const CHUNK: usize = 2048;
+/// Chunks that are made at a time, and kept if a run is interrupted.
+const AT_A_TIME: usize = 8;
 
 impl Precompute {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
@@ -114,63 +139,38 @@ impl Precompute {
         check_overwrite(&self.output, self.force.overwrite())?;
         let mesh = open_mesh(&self.mesh, None)?;
         let subject = Subject::open(&self.brdf, &ReadOptions::default())?;
-        let (map_params, params) = (self.map_params(), self.params());
+        let (map_params, params) = (self.map_params(), self.params()?);
         let fit = factor_for_relighting(subject.brdf(), &map_params)?;
-        let maps = BrdfMaps::of(&fit.model)?;
-        let mut work = vec![(Surface::of(&mesh), maps)];
+        let plan =
+            |surface: Surface, maps: BrdfMaps| Precomputation::new(&mesh, surface, maps, params);
+        let mut work = vec![plan(Surface::of(&mesh), BrdfMaps::of(&fit.model)?)];
         if self.ground {
-            work.push((Surface::ground(&mesh), BrdfMaps::diffuse(GROUND_ALBEDO)));
+            work.push(plan(Surface::ground(&mesh), BrdfMaps::diffuse(GROUND_ALBEDO)));
         }
-        let vertices: usize = work.iter().map(|(surface, _)| surface.positions.len()).sum();
+        let vertices = work.iter().map(|part| part.surface().positions.len()).sum::<usize>();
+        let mut jobs = Jobs::new(&work);
         let log_path = beside(&self.output);
-        let was_interrupted = log_path.exists();
-        let (mut log, chunks) = if self.resume {
-            ChunkLog::resume(&log_path, &key(&work, &params))?
-        } else {
-            (ChunkLog::create(&log_path, &key(&work, &params))?, Vec::new())
-        };
-        let shown = log_path.display();
-        if self.resume && chunks.is_empty() {
-            let found = if was_interrupted { "of other work" } else { "not there" };
-            writeln!(std::io::stderr(), "{shown}: {found}; begun anew")?;
-        } else if was_interrupted && !self.resume {
-            writeln!(
-                std::io::stderr(),
-                "{shown}: left by an interrupted run; begun anew without --resume"
-            )?;
-        }
-        let mut made: Vec<SparseVectors> = Vec::with_capacity(vertices);
-        for chunk in &chunks {
-            made.extend(vectors_from_bytes(chunk)?);
-        }
-        let resumed = made.len();
+        let (mut log, resumed) = self.log(&log_path, &key(&work, &params), &mut jobs)?;
         let progress = Progress::new(vertices as u64);
         progress.step("light at vertices");
         progress.done(resumed as u64);
         let occluder = Occluder::of(&mesh);
-        let mut first = 0;
-        for (surface, maps) in &work {
-            let count = surface.positions.len();
-            while made.len() < first + count {
-                let from = made.len() - first;
-                let range = from..(from + CHUNK).min(count);
-                let done = || progress.done(1);
-                let chunk = precompute(&mesh, &occluder, surface, range, maps, &params, &done);
-                log.append(&vectors_to_bytes(&chunk))?;
-                made.extend(chunk);
+        let open = jobs.open();
+        for some in open.chunks(AT_A_TIME) {
+            let made = some.par_iter().map(|at| {
+                let (part, chunk) = jobs.of[*at];
+                let made = work[part].make(&occluder, chunk);
+                progress.done(work[part].chunks()[chunk].len() as u64);
+                made
+            });
+            let made: Vec<Chunk> = made.collect::<Result<_, RelightError>>()?;
+            for (at, chunk) in some.iter().zip(made) {
+                log.append(&logged(*at, &chunk))?;
+                jobs.made[*at] = Some(chunk);
             }
-            first += count;
         }
         progress.step("ordering");
-        let mut rest = &made[..];
-        let parts: Vec<Part<'_>> = work
-            .into_iter()
-            .map(|(surface, maps)| {
-                let (own, others) = rest.split_at(surface.positions.len());
-                rest = others;
-                Part::new(surface, &maps, own)
-            })
-            .collect();
+        let parts = jobs.assemble(work)?;
         let record = RelightRecord {
             mesh: file_name(&self.mesh),
             brdf: subject.short_name(),
@@ -183,11 +183,19 @@ impl Precompute {
         drop(progress);
         let transport: usize = parts.iter().map(|part| part.transport.bytes()).sum();
         let entries: usize = parts.iter().map(|part| part.transport.entries()).sum();
+        let components: usize = parts
+            .iter()
+            .map(|part| match &part.transport {
+                Transport::Wavelets(_) => 0,
+                Transport::Clusters(clustered) => clustered.components(),
+            })
+            .sum();
         let seconds = start.elapsed().as_secs_f64();
         if self.json {
             let report = json!({
                 "output": self.output, "vertices": vertices, "resumed": resumed,
-                "terms": parts[0].maps.terms, "entries": entries, "transport_bytes": transport,
+                "terms": parts[0].maps.terms, "entries": entries, "components": components,
+                "transport_bytes": transport,
                 "bytes": bytes.len(), "seconds": seconds, "made": record,
             });
             writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
@@ -220,14 +228,112 @@ impl Precompute {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "in range")]
-    fn params(&self) -> PrecomputeParams {
+    fn params(&self) -> anyhow::Result<PrecomputeParams> {
         let quality = match self.quality {
             QualityArg::One => Quality::One,
             QualityArg::Adaptive => Quality::Adaptive,
             QualityArg::Sixteen => Quality::Sixteen,
         };
-        PrecomputeParams { coefficients: self.coefficients as usize, quality }
+        let codec = match self.codec {
+            CodecArg::Wavelet if self.tolerance.is_some() => {
+                return Err(usage(
+                    "--tolerance is of --codec clusters; --coefficients is what wavelet has",
+                ));
+            }
+            CodecArg::Clusters if self.coefficients.is_some() => {
+                return Err(usage(
+                    "--coefficients is of --codec wavelet; --tolerance is what clusters have",
+                ));
+            }
+            CodecArg::Wavelet => {
+                Codec::Wavelet { coefficients: self.coefficients.unwrap_or(96) as usize }
+            }
+            CodecArg::Clusters => Codec::Clusters { tolerance: self.tolerance.unwrap_or(1e-5) },
+        };
+        Ok(PrecomputeParams { codec, quality })
     }
+
+    /// The log of a run, with what an interrupted one left in it; the number of vertices that are done.
+    fn log(
+        &self,
+        path: &Path,
+        key: &[u8; 32],
+        jobs: &mut Jobs,
+    ) -> anyhow::Result<(ChunkLog, usize)> {
+        let shown = path.display();
+        let was_interrupted = path.exists();
+        if !self.resume {
+            if was_interrupted {
+                writeln!(
+                    std::io::stderr(),
+                    "{shown}: left by an interrupted run; begun anew without --resume"
+                )?;
+            }
+            return Ok((ChunkLog::create(path, key)?, 0));
+        }
+        let (log, chunks) = ChunkLog::resume(path, key)?;
+        if chunks.is_empty() {
+            let found = if was_interrupted { "of other work" } else { "not there" };
+            writeln!(std::io::stderr(), "{shown}: {found}; begun anew")?;
+        }
+        let mut resumed = 0;
+        for bytes in &chunks {
+            resumed += jobs.read(bytes).with_context(|| shown.to_string())?;
+        }
+        Ok((log, resumed))
+    }
+}
+
+/// Chunks of all parts.
+struct Jobs {
+    /// Part and chunk.
+    of: Vec<(usize, usize)>,
+    /// Vertices of each.
+    vertices: Vec<usize>,
+    made: Vec<Option<Chunk>>,
+}
+
+impl Jobs {
+    fn new(work: &[Precomputation]) -> Self {
+        let chunks = |(part, work): (usize, &Precomputation)| {
+            (0..work.chunks().len()).map(move |chunk| (part, chunk)).collect::<Vec<_>>()
+        };
+        let of: Vec<(usize, usize)> = work.iter().enumerate().flat_map(chunks).collect();
+        let vertices = of.iter().map(|(part, chunk)| work[*part].chunks()[*chunk].len()).collect();
+        Self { made: vec![None; of.len()], of, vertices }
+    }
+
+    /// Jobs that are left, those of a kind far apart: what is done stands for what is left to do.
+    fn open(&self) -> Vec<usize> {
+        let mut open: Vec<usize> =
+            (0..self.of.len()).filter(|at| self.made[*at].is_none()).collect();
+        // Multiples of the golden section spread evenly.
+        open.sort_by_key(|at| (*at as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        open
+    }
+
+    /// Takes what [`logged`] wrote; the number of vertices.
+    fn read(&mut self, bytes: &[u8]) -> anyhow::Result<usize> {
+        let (at, chunk) = bytes.split_first_chunk().context("a chunk without a number")?;
+        let at = usize::try_from(u64::from_le_bytes(*at))?;
+        let place = self.made.get_mut(at).context("a chunk beyond the last")?;
+        *place = Some(chunk_from_bytes(chunk)?);
+        Ok(self.vertices[at])
+    }
+
+    fn assemble(self, work: Vec<Precomputation>) -> anyhow::Result<Vec<Part<'static>>> {
+        let mut made = self.made.into_iter();
+        let parts = work.into_iter().map(|part| {
+            let own: Option<Vec<Chunk>> = made.by_ref().take(part.chunks().len()).collect();
+            Ok(part.assemble(&own.context("a chunk was not made")?))
+        });
+        parts.collect()
+    }
+}
+
+/// A chunk with its number, for the log.
+fn logged(job: usize, chunk: &Chunk) -> Vec<u8> {
+    [&(job as u64).to_le_bytes()[..], &chunk_to_bytes(chunk)].concat()
 }
 
 /// Where the chunks of a run are kept until its end.
@@ -243,14 +349,17 @@ fn file_name(path: &Path) -> String {
 }
 
 /// A hash of all that chunks depend on.
-fn key(work: &[(Surface, BrdfMaps)], params: &PrecomputeParams) -> [u8; 32] {
+fn key(work: &[Precomputation], params: &PrecomputeParams) -> [u8; 32] {
     let mut hash = Sha256::new();
-    for (surface, maps) in work {
+    for part in work {
+        let (surface, maps) = (part.surface(), part.maps());
         for vector in surface.positions.iter().chain(&surface.normals) {
             vector.to_array().iter().for_each(|v| hash.update(v.to_le_bytes()));
         }
         surface.triangles.as_flattened().iter().for_each(|at| hash.update(at.to_le_bytes()));
-        maps.light.texels().iter().for_each(|v| hash.update(v.to_le_bytes()));
+        for map in [&maps.light, &maps.view] {
+            map.texels().iter().for_each(|v| hash.update(v.to_le_bytes()));
+        }
         hash.update((maps.terms as u64).to_le_bytes());
     }
     hash.update(format!("{params:?}"));

@@ -1,0 +1,137 @@
+//! Principal components of the transport of a cluster of vertices (Sloan et al. 2003).
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par, Side};
+
+use crate::RelightError;
+use crate::coefficients::Coding;
+use crate::cube::TEXELS;
+use crate::maps::Terms;
+use crate::precompute::Chunk;
+use crate::transport::SparseVectors;
+
+/// The larger coefficients of one vertex, all terms together.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Entries {
+    /// Coefficient times number of terms, and term; ascending.
+    pub(crate) columns: Vec<u32>,
+    /// `[column][channel]`, times the weight of the term.
+    pub(crate) values: Vec<f32>,
+}
+
+/// The components of so many vertices, of which numbers that hold an energy below `least` are left out, and then
+/// components that hold less than their numbers and weights cost at that price.
+///
+/// # Errors
+///
+/// [`RelightError::Components`] if eigenvalues are not found.
+pub(crate) fn components(
+    members: &[Entries],
+    terms: &Terms,
+    least: f64,
+) -> Result<Chunk, RelightError> {
+    let channels = terms.channels;
+    let columns = columns(members, terms, least);
+    let matrix = dense(members, &columns, channels);
+    let count = members.len();
+    let mut gram = Mat::<f32>::zeros(count, count);
+    matmul(&mut gram, Accum::Replace, matrix.transpose(), &matrix, 1.0, Par::Seq);
+    let gram = Mat::<f64>::from_fn(count, count, |i, j| f64::from(gram[(i.max(j), i.min(j))]));
+    let eigen = gram
+        .self_adjoint_eigen(Side::Lower)
+        .map_err(|error| RelightError::Components { found: format!("{error:?}") })?;
+    // Eigenvalues ascend.
+    #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
+    let price_of_weights = 0.5 * least * count as f64;
+    let energies = eigen.S().column_vector();
+    let kept = (0..count).rev().take_while(|at| energies[*at] > price_of_weights).count();
+    #[expect(clippy::cast_possible_truncation, reason = "weights of 16 bits")]
+    let shares = Mat::<f32>::from_fn(count, kept, |i, j| eigen.U()[(i, count - 1 - j)] as f32);
+    let mut bases = Mat::<f32>::zeros(matrix.nrows(), kept);
+    matmul(&mut bases, Accum::Replace, &matrix, &shares, 1.0, Par::Seq);
+
+    let mut made = Chunk::default();
+    let mut chosen = Vec::new();
+    for component in 0..kept {
+        // Eigenvectors have either sign.
+        let shares = shares.col(component);
+        let largest =
+            shares.iter().fold(0.0_f32, |most, v| if v.abs() > most.abs() { *v } else { most });
+        let mut entries = vec![Vec::new(); terms.weights.len()];
+        let (mut energy, mut price) = (0.0, price_of_weights);
+        for (row, column) in columns.iter().enumerate() {
+            let value = |channel: usize| bases[(row * channels + channel, component)];
+            let own: f64 = (0..channels).map(|channel| f64::from(value(channel)).powi(2)).sum();
+            if own > least {
+                energy += own;
+                price += least;
+                let (place, term) =
+                    (column / terms.weights.len() as u32, column % terms.weights.len() as u32);
+                let scale = largest / terms.weights[term as usize];
+                let value: Vec<f32> = (0..channels).map(|channel| scale * value(channel)).collect();
+                entries[term as usize].push((u16::try_from(place).unwrap_or(u16::MAX), value));
+            }
+        }
+        if energy > price {
+            made.vectors.push(vectors(&entries, Coding::of(channels)));
+            chosen.push((component, largest));
+        }
+    }
+    for member in 0..count {
+        for (component, largest) in &chosen {
+            made.weights.push(code(shares[(member, *component)] / largest));
+        }
+    }
+    Ok(made)
+}
+
+/// Columns that hold more than `least` over all members: no component has a larger number there.
+fn columns(members: &[Entries], terms: &Terms, least: f64) -> Vec<u32> {
+    let mut energies = vec![0.0_f32; TEXELS * terms.weights.len()];
+    for member in members {
+        let values = member.values.chunks_exact(terms.channels);
+        for (column, values) in member.columns.iter().zip(values) {
+            energies[*column as usize] += values.iter().map(|v| v * v).sum::<f32>();
+        }
+    }
+    let columns = (0_u32..).zip(&energies).filter(|(_, energy)| f64::from(**energy) > least);
+    columns.map(|(column, _)| column).collect()
+}
+
+/// `[column, channel]` by members.
+fn dense(members: &[Entries], columns: &[u32], channels: usize) -> Mat<f32> {
+    let mut matrix = Mat::zeros(columns.len() * channels, members.len());
+    for (at, member) in members.iter().enumerate() {
+        let mut rows = columns.iter().enumerate().peekable();
+        for (column, values) in member.columns.iter().zip(member.values.chunks_exact(channels)) {
+            while rows.next_if(|(_, other)| *other < column).is_some() {}
+            if let Some((row, _)) = rows.next_if(|(_, other)| *other == column) {
+                for (channel, value) in values.iter().enumerate() {
+                    matrix[(row * channels + channel, at)] = *value;
+                }
+            }
+        }
+    }
+    matrix
+}
+
+/// A component's numbers, term after term.
+fn vectors(entries: &[Vec<(u16, Vec<f32>)>], coding: Coding) -> SparseVectors {
+    let mut vectors = SparseVectors::default();
+    for entries in entries {
+        let all = entries.iter().flat_map(|(_, value)| value);
+        let largest = all.fold(0.0_f32, |most, v| most.max(v.abs()));
+        vectors.add_term(
+            largest,
+            entries.iter().map(|(place, value)| (*place, &value[..])),
+            coding,
+        );
+    }
+    vectors
+}
+
+/// A weight up to 1.
+#[expect(clippy::cast_possible_truncation, reason = "rounded, up to 32767")]
+fn code(weight: f32) -> i16 {
+    (weight * f32::from(i16::MAX)).round() as i16
+}

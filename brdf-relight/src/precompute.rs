@@ -1,0 +1,184 @@
+//! How transport is made.
+
+use brdf_render::Mesh;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::RelightError;
+use crate::bundle::Occluder;
+use crate::clustered::ClusteredTransport;
+use crate::coefficients::Coding;
+use crate::components::components;
+use crate::grouping::clusters;
+use crate::maps::{BrdfMaps, Terms};
+use crate::scene::Part;
+use crate::store::{SparseTransport, Transport};
+use crate::surface::{Surface, diagonal};
+use crate::transport::{Site, Sky, SparseVectors, Workspace, open_energy};
+use crate::visibility::Quality;
+
+/// How transport is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Codec {
+    /// The largest wavelet coefficients of each vector (the paper's).
+    Wavelet {
+        /// How many at most.
+        coefficients: usize,
+    },
+    /// Wavelet coefficients of principal components that clusters of vertices share (Sloan et al. 2003).
+    Clusters {
+        /// A number of a component is dropped if it holds less than this share of the energy of a vertex that sees
+        /// the whole sky, and a component if it holds less than its numbers and weights cost at that price.
+        tolerance: f64,
+    },
+}
+
+/// Options of a precomputation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PrecomputeParams {
+    /// How transport is stored.
+    pub codec: Codec,
+    /// How finely the sky is looked at.
+    pub quality: Quality,
+}
+
+impl Default for PrecomputeParams {
+    fn default() -> Self {
+        Self { codec: Codec::Clusters { tolerance: 1e-5 }, quality: Quality::Adaptive }
+    }
+}
+
+/// The precomputation of a surface, in chunks that do not need each other.
+#[derive(Debug)]
+pub struct Precomputation {
+    surface: Surface,
+    maps: BrdfMaps,
+    params: PrecomputeParams,
+    chunks: Vec<Vec<u32>>,
+    sites: Vec<Site>,
+    sky: Sky,
+    terms: Terms,
+}
+
+/// Vertices of a chunk without clusters.
+const CHUNK: usize = 256;
+/// Coefficients of vertices that hold less than this share of what a component's have to are not looked at.
+const GATHERED: f64 = 1.0 / 16.0;
+
+/// What is made of a chunk.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chunk {
+    /// One for each vertex of the chunk, or for each component of the cluster.
+    pub vectors: Vec<SparseVectors>,
+    /// `[vertex][component]`, 32767 for 1; none without clusters.
+    pub weights: Vec<i16>,
+}
+
+impl Precomputation {
+    /// Plans the transport of a surface's vertices, about or beneath a mesh.
+    pub fn new(mesh: &Mesh, surface: Surface, maps: BrdfMaps, params: PrecomputeParams) -> Self {
+        let chunks = match params.codec {
+            Codec::Wavelet { .. } => {
+                let all: Vec<u32> = (0_u32..).take(surface.positions.len()).collect();
+                all.chunks(CHUNK).map(<[u32]>::to_vec).collect()
+            }
+            Codec::Clusters { .. } => clusters(&surface),
+        };
+        let sites = surface.sites(diagonal(mesh.positions()));
+        let terms = maps.weighted_terms();
+        Self { surface, maps, params, chunks, sites, sky: Sky::default(), terms }
+    }
+
+    /// What is shaded.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// Its light maps and view maps.
+    pub fn maps(&self) -> &BrdfMaps {
+        &self.maps
+    }
+
+    /// Numbers of vertices, chunk by chunk.
+    pub fn chunks(&self) -> &[Vec<u32>] {
+        &self.chunks
+    }
+
+    /// Makes a chunk.
+    ///
+    /// # Errors
+    ///
+    /// [`RelightError::Components`] if a cluster has none.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such chunk.
+    pub fn make(&self, occluder: &Occluder, chunk: usize) -> Result<Chunk, RelightError> {
+        let terms = &self.terms;
+        match self.params.codec {
+            Codec::Wavelet { coefficients } => {
+                let select =
+                    |workspace: &mut Workspace| workspace.select(terms.weights.len(), coefficients);
+                Ok(Chunk { vectors: self.each(occluder, chunk, select), weights: Vec::new() })
+            }
+            Codec::Clusters { tolerance } => {
+                let least = tolerance * open_energy(&self.sky, &self.maps, terms);
+                #[expect(clippy::cast_possible_truncation, reason = "transport is f32")]
+                let gathered = (GATHERED * least) as f32;
+                let members =
+                    self.each(occluder, chunk, |workspace| workspace.gather(terms, gathered));
+                components(&members, terms, least)
+            }
+        }
+    }
+
+    /// Something of the transport of each vertex of a chunk.
+    fn each<T: Send>(
+        &self,
+        occluder: &Occluder,
+        chunk: usize,
+        take: impl Fn(&mut Workspace) -> T + Sync,
+    ) -> Vec<T> {
+        let light = &self.maps.light;
+        let vertices = self.chunks[chunk].par_iter();
+        let taken = vertices.map_init(
+            || Workspace::new(light.width()),
+            |workspace, vertex| {
+                let site = &self.sites[*vertex as usize];
+                workspace.transport(&self.sky, occluder, site, light, self.params.quality);
+                workspace.transform();
+                take(workspace)
+            },
+        );
+        taken.collect()
+    }
+
+    /// Puts the chunks together, all of them and in order.
+    pub fn assemble(self, made: &[Chunk]) -> Part<'static> {
+        let coding = Coding::of(self.terms.channels);
+        let transport = match self.params.codec {
+            Codec::Wavelet { .. } => {
+                let vectors: Vec<_> = made.iter().flat_map(|chunk| &chunk.vectors).collect();
+                Transport::Wavelets(SparseTransport::of(coding, &vectors))
+            }
+            Codec::Clusters { .. } => {
+                let terms = self.terms.weights.len();
+                Transport::Clusters(ClusteredTransport::of(coding, terms, &self.chunks, made))
+            }
+        };
+        Part::assemble(self.surface, self.maps, transport)
+    }
+
+    /// Makes all chunks and puts them together.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Precomputation::make`].
+    pub fn run(self, occluder: &Occluder) -> Result<Part<'static>, RelightError> {
+        let chunks = (0..self.chunks.len()).into_par_iter();
+        let made: Vec<Chunk> =
+            chunks.map(|chunk| self.make(occluder, chunk)).collect::<Result<_, _>>()?;
+        Ok(self.assemble(&made))
+    }
+}
