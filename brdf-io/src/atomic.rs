@@ -71,14 +71,16 @@ fn is_ours(content: &[u8]) -> bool {
 const MARK: (&str, &str) = ("report.json", "{\n  \"brdf\":");
 
 /// Files of every folder of ours; textures have numbers.
-const OUR_NAMES: [&str; 10] = [
+const OUR_NAMES: [&str; 12] = [
     "contradictions.png",
     "coverage.png",
+    "errors.svg",
     "material.safetensors",
     "model.safetensors",
     "sphere.png",
     "spheres.png",
     "spectrum.svg",
+    "strip.png",
     "study.csv",
     "report.html",
     "report.json",

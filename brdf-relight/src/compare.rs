@@ -1,16 +1,14 @@
 //! How far relighting is from what it stands for, and which step loses what.
 
 use brdf_model::Brdf;
-use brdf_param::DirectionPair;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::bundle::Occluder;
-use crate::cube::TEXELS;
+use crate::exact::{brute_force, received, seen};
 use crate::frame::tangent_frame;
 use crate::light::{CubeLight, LightRule};
-use crate::maps::BrdfMaps;
 use crate::scene::{Part, RelitScene};
 use crate::surface::diagonal;
 use crate::transport::{Sky, Workspace};
@@ -162,62 +160,4 @@ pub fn compare(
     }
     let [total, rank, coefficients, light, visibility] = sums.map(|sums| sums.ratio());
     Split { total, rank, coefficients, light, visibility, colours: count, negative }
-}
-
-/// Radiance towards each view of the exact BRDF.
-fn brute_force(
-    brdf: &dyn Brdf,
-    sky: &Sky,
-    light: &CubeLight,
-    frame: &glam::Mat3,
-    shares: &[u8],
-    views: &[DVec3],
-) -> Vec<[f64; 3]> {
-    let to_local = frame.transpose();
-    let mut sums = vec![[0.0; 3]; views.len()];
-    for texel in (0..TEXELS).filter(|texel| shares[*texel] > 0) {
-        let wi = (to_local * sky.directions()[texel]).as_dvec3().normalize();
-        let weight =
-            f64::from(sky.solid_angles()[texel]) * wi.z.max(0.0) * f64::from(shares[texel]) / 16.0;
-        if weight <= 0.0 {
-            continue;
-        }
-        for (sum, wo) in sums.iter_mut().zip(views) {
-            let value = brdf.eval(&DirectionPair::new(wi, *wo)).channels();
-            let radiance = light.radiance[texel];
-            for channel in 0..3 {
-                sum[channel] += weight * value[channel] * f64::from(radiance[channel]);
-            }
-        }
-    }
-    sums
-}
-
-/// What each term receives of all light: dense transport times radiance.
-fn received(values: &[f32], maps: &BrdfMaps, radiance: &[[f32; 3]]) -> Vec<[f64; 3]> {
-    let (width, channels) = (maps.light.width(), maps.light_channels());
-    let mut sums = vec![[0.0; 3]; maps.terms];
-    for (values, radiance) in values.chunks_exact(width).zip(radiance) {
-        for (sum, value) in sums.iter_mut().zip(values.chunks_exact(channels)) {
-            for channel in 0..3 {
-                let value = value[channel.min(channels - 1)];
-                sum[channel] += f64::from(value) * f64::from(radiance[channel]);
-            }
-        }
-    }
-    sums
-}
-
-/// Σ_k h_k(wo) times what arrives for k.
-#[expect(clippy::cast_possible_truncation, reason = "maps are f32")]
-fn seen(maps: &BrdfMaps, arriving: &[[f64; 3]], wo: DVec3) -> [f64; 3] {
-    let mut values = vec![0.0; maps.view.width()];
-    maps.view.read(Vec3::new(wo.x as f32, wo.y as f32, wo.z as f32), 1.0, &mut values);
-    let mut sum = [0.0; 3];
-    for (value, h) in arriving.iter().zip(values.as_chunks::<3>().0) {
-        for channel in 0..3 {
-            sum[channel] += value[channel] * f64::from(h[channel]);
-        }
-    }
-    sum
 }

@@ -65,11 +65,11 @@ pub(crate) fn components(
             if own > least {
                 energy += own;
                 price += least;
-                let (place, term) =
-                    (column / terms.weights.len() as u32, column % terms.weights.len() as u32);
-                let scale = largest / terms.weights[term as usize];
+                let (column, count) = (*column as usize, terms.weights.len());
+                let (place, term) = (column / count, column % count);
+                let scale = largest / terms.weights[term];
                 let value: Vec<f32> = (0..channels).map(|channel| scale * value(channel)).collect();
-                entries[term as usize].push((u16::try_from(place).unwrap_or(u16::MAX), value));
+                entries[term].push((u16::try_from(place).unwrap_or(u16::MAX), value));
             }
         }
         if energy > price {

@@ -108,6 +108,13 @@ impl Codes<'_> {
             Self::Scalar(codes) => codes.len(),
         }
     }
+
+    fn word(&self, at: usize) -> u32 {
+        match self {
+            Self::Rgb(codes) => codes[at],
+            Self::Scalar(codes) => codes[at].into(),
+        }
+    }
 }
 
 impl SparseTransport<'static> {
@@ -257,6 +264,37 @@ impl<'a> SparseTransport<'a> {
     /// Bytes as stored: entries, scales and offsets.
     pub fn bytes(&self) -> usize {
         (2 + self.coding.bytes()) * self.entries() + 4 * (self.scales.len() + self.offsets.len())
+    }
+
+    /// The same with the `count` largest coefficients of each vector; of equal ones the first.
+    pub fn largest(&self, count: usize) -> SparseTransport<'static> {
+        let top = self.coding.top();
+        let empty = |scale: &f32| SparseVectors {
+            largest: vec![scale * top],
+            counts: vec![0],
+            ..Default::default()
+        };
+        let mut vectors: Vec<SparseVectors> = self.scales.iter().map(empty).collect();
+        for (block, starts) in self.offsets.chunks_exact(TEXELS + 1).enumerate() {
+            for (place, ends) in (0_u16..).zip(starts.windows(2)) {
+                for at in ends[0] as usize..ends[1] as usize {
+                    let vector = &mut vectors[block * BLOCK + usize::from(self.owners[at])];
+                    vector.places.push(place);
+                    vector.codes.push(self.codes.word(at));
+                }
+            }
+        }
+        vectors.par_iter_mut().for_each(|vector| {
+            let size = |code: u32| self.coding.decode(code).iter().map(|v| v * v).sum::<f32>();
+            let mut order: Vec<usize> = (0..vector.codes.len()).collect();
+            order.sort_by(|a, b| size(vector.codes[*b]).total_cmp(&size(vector.codes[*a])));
+            order.truncate(count);
+            order.sort_unstable();
+            vector.places = order.iter().map(|at| vector.places[*at]).collect();
+            vector.codes = order.iter().map(|at| vector.codes[*at]).collect();
+            vector.counts[0] = u16::try_from(order.len()).unwrap_or(u16::MAX);
+        });
+        SparseTransport::of(self.coding, &vectors.iter().collect::<Vec<_>>())
     }
 
     /// Products of all vectors with light, red, green and blue for each, into `out`.

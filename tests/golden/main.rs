@@ -9,4 +9,5 @@
 mod image_metrics;
 mod merl_layout;
 mod microfacet;
+mod relight;
 mod rgl;

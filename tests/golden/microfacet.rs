@@ -26,12 +26,12 @@ fn rows(model: &str) -> Vec<(DirectionPair, [f64; 3])> {
     rows
 }
 
-fn conductor() -> Fresnel {
+pub(crate) fn conductor() -> Fresnel {
     Fresnel::Conductor { eta: Rgb::new(0.2, 0.92, 1.1), k: Rgb::new(3.91, 2.45, 2.14) }
 }
 
 /// (1 + Λi + Λo) / ((1 + Λi)(1 + Λo)): separable over height-correlated masking.
-fn separable_over_correlated(pair: &DirectionPair, alpha_x: f64, alpha_y: f64) -> f64 {
+pub(crate) fn separable_over_correlated(pair: &DirectionPair, alpha_x: f64, alpha_y: f64) -> f64 {
     let lambda = |w: DVec3| {
         let slope_sq = ((alpha_x * w.x).powi(2) + (alpha_y * w.y).powi(2)) / (w.z * w.z);
         0.5 * ((1.0 + slope_sq).sqrt() - 1.0)

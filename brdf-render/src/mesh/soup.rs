@@ -39,6 +39,10 @@ pub struct MeshNotes {
     pub flipped_edges: usize,
     /// Vertices whose normals were made from the faces around.
     pub normals_made: usize,
+    /// Given normals that point to the other side than the faces around; kept.
+    pub opposed_normals: usize,
+    /// Whether the faces enclose a volume from its inside: what is lit is then the inner side.
+    pub is_inside_out: bool,
     /// Whether the file has texture coordinates.
     pub has_texture_coordinates: bool,
 }
@@ -53,11 +57,21 @@ impl MeshNotes {
             (self.open_edges, "edges of one triangle only (rims of holes)"),
             (self.flipped_edges, "edges between triangles of opposite winding"),
             (self.normals_made, "normals made from the faces around"),
+            (self.opposed_normals, "normals that point away from the side the faces show; kept"),
         ];
         let some = counted.into_iter().filter(|(count, _)| *count > 0);
-        some.map(|(count, what)| format!("{count} {what}")).collect()
+        let mut lines: Vec<String> = some.map(|(count, what)| format!("{count} {what}")).collect();
+        if self.is_inside_out {
+            lines.push(
+                "faces look inwards; flip their winding if the outside should be lit".to_owned(),
+            );
+        }
+        lines
     }
 }
+
+/// Share of its box that a body fills at least.
+const LEAST_VOLUME: f64 = 0.02;
 
 /// Twice the area, over the square of the longest edge, below which a triangle has none.
 const THINNEST: f64 = 1e-12;
@@ -101,13 +115,15 @@ impl Soup {
             return Err(MeshError::Empty { triangles: given, degenerate });
         }
         let unreferenced = self.drop_unreferenced();
-        let (normals, normals_made) = self.unit_normals();
+        let (normals, normals_made, opposed_normals) = self.unit_normals();
         let mut notes = MeshNotes {
             vertices: self.positions.len(),
             triangles: self.triangles.len(),
             unreferenced,
             degenerate,
             normals_made,
+            opposed_normals,
+            is_inside_out: self.is_inside_out(),
             has_texture_coordinates: self.uv.is_some(),
             ..MeshNotes::default()
         };
@@ -172,8 +188,9 @@ impl Soup {
     }
 
     /// Normals of the file, or means of the faces around by their angles; vertices at one place have
-    /// one normal, so that seams of texture coordinates do not show.
-    fn unit_normals(&self) -> (Vec<DVec3>, usize) {
+    /// one normal, so that seams of texture coordinates do not show. Counts those that were made, and those of the file
+    /// that point away from the faces around.
+    fn unit_normals(&self) -> (Vec<DVec3>, usize, usize) {
         let key = |p: DVec3| p.to_array().map(|v| (v + 0.0).to_bits());
         let mut around: HashMap<[u64; 3], DVec3> = HashMap::new();
         for triangle in &self.triangles {
@@ -185,16 +202,33 @@ impl Soup {
                 *around.entry(key(own)).or_default() += angle * face;
             }
         }
-        let mut made = 0;
+        let (mut made, mut opposed) = (0, 0);
         let normals = self.positions.iter().enumerate().map(|(vertex, position)| {
             let given = self.normals.as_ref().and_then(|normals| normals[vertex].try_normalize());
+            let faces = around[&key(*position)];
+            opposed += usize::from(given.is_some_and(|given| given.dot(faces) < 0.0));
             given.unwrap_or_else(|| {
                 made += 1;
                 // Two faces back to back leave none; any side will do.
-                around[&key(*position)].try_normalize().unwrap_or(DVec3::Y)
+                faces.try_normalize().unwrap_or(DVec3::Y)
             })
         });
-        (normals.collect(), made)
+        let normals = normals.collect();
+        (normals, made, opposed)
+    }
+
+    /// Whether the signed volume is clearly negative; sheets have next to none.
+    fn is_inside_out(&self) -> bool {
+        let corners = || self.triangles.iter().flatten().map(|at| self.positions[*at as usize]);
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let middle = 0.5 * (low + high);
+        let volume = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|at| self.positions[at as usize] - middle);
+            a.dot(b.cross(c)) / 6.0
+        };
+        let whole = (high - low).element_product();
+        self.triangles.iter().map(volume).sum::<f64>() < -LEAST_VOLUME * whole
     }
 
     /// By places, since seams split vertices.
@@ -240,6 +274,23 @@ fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_turned_inside_out_is_noted() {
+        let mut soup = Soup::torus();
+        let (_, _, notes) = soup.clone().repaired().unwrap();
+        assert!(!notes.is_inside_out && notes.opposed_normals == 0, "{notes:?}");
+        soup.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+        let (_, _, notes) = soup.clone().repaired().unwrap();
+        assert!(notes.is_inside_out && notes.opposed_normals == notes.vertices, "{notes:?}");
+        assert!(notes.lines().iter().any(|line| line.contains("inwards")), "{:?}", notes.lines());
+        let sheet = Soup {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y],
+            triangles: vec![[0, 2, 1], [1, 2, 3]],
+            ..Soup::default()
+        };
+        assert!(!sheet.repaired().unwrap().2.is_inside_out, "a sheet has two sides");
+    }
 
     /// A tetrahedron with a vertex that nobody names and a triangle without area.
     fn tetrahedron() -> Soup {

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
+use super::precompute::of_ground;
 use crate::numbers::bytes as shown_bytes;
 
 /// Time new light and new views of a precomputed object
@@ -68,10 +69,12 @@ impl Bench {
         });
         let occluder = Occluder::of(&mesh);
         let mut seconds = 0.0;
-        for part in &file.parts {
+        for (index, part) in file.parts.iter().enumerate() {
+            let params = file.record.precompute;
+            let params = if index == 0 { params } else { of_ground(params) };
             let (surface, maps) = (part.surface.clone(), part.maps.clone());
             let vertices = surface.positions.len();
-            let work = Precomputation::new(&mesh, surface, maps, file.record.precompute);
+            let work = Precomputation::new(&mesh, surface, maps, params);
             let chunks = work.chunks().len();
             let every = chunks.div_ceil(TIMED);
             let timed: Vec<usize> = (0..chunks).step_by(every).collect();

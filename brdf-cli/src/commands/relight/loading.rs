@@ -77,6 +77,12 @@ impl LightArgs {
         })
     }
 
+    /// What it is called, without folders.
+    pub(super) fn name(&self) -> String {
+        let name = self.env.file_name().unwrap_or(self.env.as_os_str());
+        name.to_string_lossy().into_owned()
+    }
+
     /// The turn that was asked for and `more` degrees, in radians.
     pub(super) fn rotation(&self, more: f64) -> f64 {
         (self.rotate_deg + more).to_radians()

@@ -5,6 +5,7 @@ mod compare;
 mod loading;
 mod precompute;
 mod render;
+mod sweep;
 mod turntable;
 
 use std::io::Write;
@@ -15,7 +16,8 @@ use clap::Subcommand;
 /// Relight an object under environment maps, shadows included
 ///
 /// `precompute` finds how the object answers light from everywhere and takes a minute or so; after that, new light and
-/// new views take milliseconds: `render`, `turntable`. `bench` times them, `compare` says what was lost.
+/// new views take milliseconds: `render`, `turntable`. `bench` times them, `compare` says what was lost, and
+/// `sweep` shows it.
 #[derive(Subcommand)]
 pub(super) enum Relight {
     Precompute(precompute::Precompute),
@@ -23,6 +25,7 @@ pub(super) enum Relight {
     Turntable(turntable::Turntable),
     Bench(bench::Bench),
     Compare(compare::Compare),
+    Sweep(sweep::Sweep),
 }
 
 impl Relight {
@@ -33,6 +36,7 @@ impl Relight {
             Self::Turntable(command) => command.run(out),
             Self::Bench(command) => command.run(out),
             Self::Compare(command) => command.run(out),
+            Self::Sweep(command) => command.run(out),
         }
     }
 }

@@ -141,19 +141,18 @@ impl Precompute {
         let subject = Subject::open(&self.brdf, &ReadOptions::default())?;
         let (map_params, params) = (self.map_params(), self.params()?);
         let fit = factor_for_relighting(subject.brdf(), &map_params)?;
-        let plan =
-            |surface: Surface, maps: BrdfMaps| Precomputation::new(&mesh, surface, maps, params);
-        let mut work = vec![plan(Surface::of(&mesh), BrdfMaps::of(&fit.model)?)];
+        let maps = BrdfMaps::of(&fit.model)?;
+        let mut work = vec![Precomputation::new(&mesh, Surface::of(&mesh), maps, params)];
         if self.ground {
-            work.push(plan(Surface::ground(&mesh), BrdfMaps::diffuse(GROUND_ALBEDO)));
+            let (surface, maps) = (Surface::ground(&mesh), BrdfMaps::diffuse(GROUND_ALBEDO));
+            work.push(Precomputation::new(&mesh, surface, maps, of_ground(params)));
         }
         let vertices = work.iter().map(|part| part.surface().positions.len()).sum::<usize>();
         let mut jobs = Jobs::new(&work);
         let log_path = beside(&self.output);
         let (mut log, resumed) = self.log(&log_path, &key(&work, &params), &mut jobs)?;
-        let progress = Progress::new(vertices as u64);
+        let progress = Progress::new((vertices - resumed) as u64);
         progress.step("light at vertices");
-        progress.done(resumed as u64);
         let occluder = Occluder::of(&mesh);
         let open = jobs.open();
         for some in open.chunks(AT_A_TIME) {
@@ -334,6 +333,15 @@ impl Jobs {
 /// A chunk with its number, for the log.
 fn logged(job: usize, chunk: &Chunk) -> Vec<u8> {
     [&(job as u64).to_le_bytes()[..], &chunk_to_bytes(chunk)].concat()
+}
+
+/// Ground is smooth, so that errors show there first, and small.
+pub(super) fn of_ground(params: PrecomputeParams) -> PrecomputeParams {
+    let codec = match params.codec {
+        Codec::Clusters { tolerance } => Codec::Clusters { tolerance: 0.2 * tolerance },
+        wavelet @ Codec::Wavelet { .. } => wavelet,
+    };
+    PrecomputeParams { codec, ..params }
 }
 
 /// Where the chunks of a run are kept until its end.

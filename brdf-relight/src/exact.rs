@@ -1,0 +1,126 @@
+//! Light at vertices by brute force: slow, and what everything else is measured by.
+
+use brdf_model::Brdf;
+use brdf_param::DirectionPair;
+use brdf_render::Mesh;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::bundle::Occluder;
+use crate::coefficients::Coding;
+use crate::cube::TEXELS;
+use crate::frame::tangent_frame;
+use crate::light::CubeLight;
+use crate::maps::BrdfMaps;
+use crate::scene::Part;
+use crate::store::{SparseTransport, Transport};
+use crate::surface::diagonal;
+use crate::transport::{Sky, SparseVectors, Workspace};
+use crate::visibility::Quality;
+
+/// Cosines that vertices are seen at: those that look away are clamped here, where view maps end.
+const LEAST_COSINE: f64 = 0.02;
+
+/// A part whose only term is what each vertex shows a place, of the exact BRDF (or of the part's own maps where there
+/// is none) under all light with sixteen rays a texel; and that term. `done` hears of each vertex.
+pub fn exact_part(
+    part: &Part<'_>,
+    mesh: &Mesh,
+    occluder: &Occluder,
+    brdf: Option<&dyn Brdf>,
+    light: &CubeLight,
+    eye: DVec3,
+    done: &(dyn Fn() + Sync),
+) -> (Part<'static>, Vec<[f32; 3]>) {
+    let sky = Sky::default();
+    let maps = &part.maps;
+    let sites = part.surface.sites(diagonal(mesh.positions()));
+    let colours = sites.par_iter().map_init(
+        || Workspace::new(maps.light.width()),
+        |workspace, site| {
+            let frame = tangent_frame(site.normal);
+            let mut wo = frame.transpose() * (eye - site.position).normalize_or(DVec3::Y);
+            wo.z = wo.z.max(LEAST_COSINE);
+            let wo = wo.normalize();
+            let colour = match brdf {
+                Some(brdf) => {
+                    let visibility = &mut workspace.visibility;
+                    visibility.look(occluder, site.position, site.normal, Quality::Sixteen);
+                    let shares = visibility.shares();
+                    brute_force(brdf, &sky, light, &frame.as_mat3(), shares, &[wo])[0]
+                }
+                None => {
+                    let quality = Quality::Sixteen;
+                    let values = workspace.transport(&sky, occluder, site, &maps.light, quality);
+                    seen(maps, &received(values, maps, &light.radiance), wo)
+                }
+            };
+            done();
+            #[expect(clippy::cast_possible_truncation, reason = "light at vertices is f32")]
+            colour.map(|v| v as f32)
+        },
+    );
+    let colours: Vec<[f32; 3]> = colours.collect();
+    let none = SparseVectors { largest: vec![0.0], counts: vec![0], ..Default::default() };
+    let transport = SparseTransport::of(Coding::Scalar, &vec![&none; colours.len()]);
+    let one = BrdfMaps::diffuse(std::f32::consts::PI);
+    (Part::assemble(part.surface.clone(), one, Transport::Wavelets(transport)), colours)
+}
+
+/// Radiance towards each view of the exact BRDF.
+pub(crate) fn brute_force(
+    brdf: &dyn Brdf,
+    sky: &Sky,
+    light: &CubeLight,
+    frame: &glam::Mat3,
+    shares: &[u8],
+    views: &[DVec3],
+) -> Vec<[f64; 3]> {
+    let to_local = frame.transpose();
+    let mut sums = vec![[0.0; 3]; views.len()];
+    for texel in (0..TEXELS).filter(|texel| shares[*texel] > 0) {
+        let wi = (to_local * sky.directions()[texel]).as_dvec3().normalize();
+        let weight =
+            f64::from(sky.solid_angles()[texel]) * wi.z.max(0.0) * f64::from(shares[texel]) / 16.0;
+        if weight <= 0.0 {
+            continue;
+        }
+        for (sum, wo) in sums.iter_mut().zip(views) {
+            let value = brdf.eval(&DirectionPair::new(wi, *wo)).channels();
+            let radiance = light.radiance[texel];
+            for channel in 0..3 {
+                sum[channel] += weight * value[channel] * f64::from(radiance[channel]);
+            }
+        }
+    }
+    sums
+}
+
+/// What each term receives of all light: dense transport times radiance.
+pub(crate) fn received(values: &[f32], maps: &BrdfMaps, radiance: &[[f32; 3]]) -> Vec<[f64; 3]> {
+    let (width, channels) = (maps.light.width(), maps.light_channels());
+    let mut sums = vec![[0.0; 3]; maps.terms];
+    for (values, radiance) in values.chunks_exact(width).zip(radiance) {
+        for (sum, value) in sums.iter_mut().zip(values.chunks_exact(channels)) {
+            for channel in 0..3 {
+                let value = value[channel.min(channels - 1)];
+                sum[channel] += f64::from(value) * f64::from(radiance[channel]);
+            }
+        }
+    }
+    sums
+}
+
+/// Σ_k h_k(wo) times what arrives for k.
+#[expect(clippy::cast_possible_truncation, reason = "maps are f32")]
+pub(crate) fn seen(maps: &BrdfMaps, arriving: &[[f64; 3]], wo: DVec3) -> [f64; 3] {
+    let mut values = vec![0.0; maps.view.width()];
+    maps.view.read(Vec3::new(wo.x as f32, wo.y as f32, wo.z as f32), 1.0, &mut values);
+    let mut sum = [0.0; 3];
+    for (value, h) in arriving.iter().zip(values.as_chunks::<3>().0) {
+        for channel in 0..3 {
+            sum[channel] += value[channel] * f64::from(h[channel]);
+        }
+    }
+    sum
+}
