@@ -22,7 +22,7 @@ use crate::visibility::Quality;
 const LEAST_COSINE: f64 = 0.02;
 
 /// A part whose only term is what each vertex shows a place, of the exact BRDF (or of the part's own maps where there
-/// is none) under all light with sixteen rays a texel; and that term. `done` hears of each vertex.
+/// is none) under all light, with sixteen rays a texel where neighbours differ; and that term. `done` hears of each vertex.
 pub fn exact_part(
     part: &Part<'_>,
     mesh: &Mesh,
@@ -45,12 +45,12 @@ pub fn exact_part(
             let colour = match brdf {
                 Some(brdf) => {
                     let visibility = &mut workspace.visibility;
-                    visibility.look(occluder, site.position, site.normal, Quality::Sixteen);
+                    visibility.look(occluder, site.position, site.normal, Quality::Adaptive);
                     let shares = visibility.shares();
                     brute_force(brdf, &sky, light, &frame.as_mat3(), shares, &[wo])[0]
                 }
                 None => {
-                    let quality = Quality::Sixteen;
+                    let quality = Quality::Adaptive;
                     let values = workspace.transport(&sky, occluder, site, &maps.light, quality);
                     seen(maps, &received(values, maps, &light.radiance), wo)
                 }

@@ -20,8 +20,8 @@ use crate::subject::Subject;
 
 /// Show what fewer terms, or fewer coefficients, do to a picture
 ///
-/// Writes a folder: strip.png, a picture for each number and one by brute force (exact BRDF, all light, sixteen rays a
-/// texel at each vertex: half a minute), errors.svg, and report.json. Terms and coefficients are taken from the file, largest first.
+/// Writes a folder: strip.png, a picture for each number and one by brute force (exact BRDF, all light, adaptive rays, at
+/// each vertex: a minute), errors.svg, and report.json. Terms and coefficients are taken from the file, largest first.
 ///
 /// Example: brdf relight sweep bunny.prt --env grace.hdr --brdf preset:plastic --terms 1,4,16 -o terms
 #[derive(clap::Args)]
