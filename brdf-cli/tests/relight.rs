@@ -92,6 +92,25 @@ fn an_object_is_relit_compared_and_timed() {
     let (before, behind) = (brightest("a.png"), brightest("b.png"));
     assert!((before - behind).abs() > 2.0, "the light turns: {before} and {behind}");
 
+    let sweep = ["relight", "sweep", "b.prt", "--size", "32", "--brdf"];
+    let sweep = [&sweep[..], &["preset:light-brown-plastic", "--terms", "1,4,16"]].concat();
+    succeed(folder, &[&sweep[..], &["-o", "terms"]].concat());
+    let report = fs::read(folder.join("terms/report.json")).unwrap();
+    let report: Value = serde_json::from_slice(&report).unwrap();
+    let errors: Vec<f64> = serde_json::from_value(report["relative_rms"].clone()).unwrap();
+    // Brute force is at vertices, of which the ball has few: more terms draw a sharper highlight.
+    assert!(errors.len() == 3 && errors[0] > errors[1], "{report}");
+    assert!(errors.iter().all(|error| (0.01..0.3).contains(error)), "{report}");
+    for name in ["strip.png", "errors.svg"] {
+        assert!(folder.join("terms").join(name).exists(), "{name}");
+    }
+    let few = ["relight", "sweep", "w.prt", "--size", "32", "--coefficients", "4,64", "-o", "few"];
+    succeed(folder, &few);
+    let clusters = fail(folder, &["relight", "sweep", "b.prt", "--coefficients", "4"], 2);
+    assert!(clusters.contains("--codec wavelet"), "{clusters}");
+    let beyond = fail(folder, &["relight", "sweep", "b.prt", "--terms", "90"], 2);
+    assert!(beyond.contains("has 1 to"), "{beyond}");
+
     let turn =
         ["relight", "turntable", "b.prt", "--frames", "3", "--size", "32", "--env", "light:studio"];
     succeed(folder, &[&turn[..], &["-o", "frames"]].concat());

@@ -21,7 +21,7 @@ use crate::subject::Subject;
 /// Show what fewer terms, or fewer coefficients, do to a picture
 ///
 /// Writes a folder: strip.png, a picture for each number and one by brute force (exact BRDF, all light, adaptive rays, at
-/// each vertex: a minute), errors.svg, and report.json. Terms and coefficients are taken from the file, largest first.
+/// each vertex: a minute; coarse meshes show it coarsely), errors.svg, and report.json. Terms and coefficients are taken from the file, largest first.
 ///
 /// Example: brdf relight sweep bunny.prt --env grace.hdr --brdf preset:plastic --terms 1,4,16 -o terms
 #[derive(clap::Args)]
@@ -109,7 +109,7 @@ impl Sweep {
             .map_or_else(|| ToneMap::exposed_for(&wanted), |exposure| ToneMap { exposure });
         let errors: Vec<f64> = films.iter().map(|film| relative_rms(film, &wanted)).collect();
         let caption =
-            |value: &usize, error: &f64| format!("{value} {what}, RMS {}", significant(*error));
+            |value: &usize, error: &f64| format!("{what}: {value}, RMS {}", significant(*error));
         let mut panels: Vec<Panel> = values
             .iter()
             .zip(&errors)
