@@ -154,10 +154,7 @@ fn plan(surface: Surface, maps: &BrdfMaps, codec: Codec, quality: Quality) -> Pr
 }
 
 /// In pools of one and of two threads, the same twice.
-fn with_threads<T: PartialEq>(make: impl Fn() -> T + Sync + Send) -> T
-where
-    T: Send,
-{
+fn with_threads<T: PartialEq + Send>(make: impl Fn() -> T + Sync + Send) -> T {
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(&make)

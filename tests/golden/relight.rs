@@ -41,6 +41,7 @@ fn light() -> CubeLight {
         let phi = std::f64::consts::TAU * (((at % width) as f64 + 0.5) / width as f64 - 0.5);
         let w = DVec3::new(theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos());
         let (y, lobe) = (w.y.max(0.0), (30.0 * (w.dot(toward) - 1.0)).exp());
+        #[expect(clippy::cast_possible_truncation, reason = "environments are f32")]
         let channel = |constant: f64, slope: f64, strength: f64| {
             ((constant + slope * y + strength * lobe) * (5.0 * y).min(1.0)) as f32
         };

@@ -15,7 +15,7 @@ use crate::numbers::bytes as shown_bytes;
 
 /// Time new light and new views of a precomputed object
 ///
-/// Frames have one point a pixel unless --points says otherwise. Precomputation is timed on a dozen chunks of each part, which stand for all.
+/// Frames have one point a pixel. Precomputation is timed on a dozen chunks of each part, which stand for all.
 ///
 /// Example: brdf relight bench bunny.prt --env grace.hdr
 #[derive(clap::Args)]

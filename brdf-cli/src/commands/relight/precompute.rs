@@ -28,7 +28,8 @@ use crate::subject::Subject;
 /// Find how an object answers light from everywhere
 ///
 /// For each vertex and term of the factored BRDF: what of the sky reaches it, in wavelets; either their largest for
-/// each vertex, or those of components that clusters of vertices share. An interrupted run leaves NAME.part beside the output, from which --resume goes on.
+/// each vertex, or those of components that clusters of vertices share. An interrupted run leaves NAME.part beside the
+/// output, from which --resume goes on.
 ///
 /// Example: brdf relight precompute bunny.ply --brdf preset:plastic --ground -o bunny.prt
 #[derive(clap::Args)]

@@ -6,9 +6,10 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use brdf_io::{OutputFolder, ReadOptions};
+use brdf_model::Brdf;
 use brdf_plot::{Curves, Scale, Series, plot_curves};
-use brdf_relight::{Occluder, Part, RelitScene, Transport, exact_part, picture};
-use brdf_render::{Film, Panel, Pixel, ToneMap, strip};
+use brdf_relight::{CubeLight, Occluder, Part, RelitScene, Shot, Transport, exact_part, picture};
+use brdf_render::{Film, Mesh, Panel, Pixel, ToneMap, strip};
 use serde_json::json;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
@@ -20,8 +21,9 @@ use crate::subject::Subject;
 
 /// Show what fewer terms, or fewer coefficients, do to a picture
 ///
-/// Writes a folder: strip.png, a picture for each number and one by brute force (exact BRDF, all light, adaptive rays, at
-/// each vertex: a minute; coarse meshes show it coarsely), errors.svg, and report.json. Terms and coefficients are taken from the file, largest first.
+/// Writes a folder: strip.png, a picture for each number and one by brute force, errors.svg, and report.json. Terms and
+/// coefficients are taken from the file, largest first. Brute force takes all light with adaptive rays at each vertex (a
+/// minute; coarse meshes show it coarsely), and the exact BRDF where terms vary, the file's terms where coefficients do.
 ///
 /// Example: brdf relight sweep bunny.prt --env grace.hdr --brdf preset:plastic --terms 1,4,16 -o terms
 #[derive(clap::Args)]
@@ -42,7 +44,7 @@ pub(in crate::commands) struct Sweep {
     #[arg(long, value_name = "N,…", value_delimiter = ',', conflicts_with = "terms")]
     coefficients: Vec<usize>,
 
-    /// The material that it was made with
+    /// The material that it was made with, where terms vary
     #[arg(long, value_name = "MODEL", default_value = "preset:plastic")]
     brdf: String,
 
@@ -78,32 +80,17 @@ impl Sweep {
             false => ("terms", &self.terms),
             true => ("coefficients", &self.coefficients),
         };
-        let mut films = Vec::new();
-        for value in values {
+        let films = values.iter().map(|value| {
             let (mut relit, parts) = (RelitScene::default(), self.cut(&file.parts, *value)?);
             relit.relight(&parts, &lit);
             if what == "terms" {
                 keep_terms(&parts[0], &mut relit.parts[0], *value);
             }
-            films.push(picture(&parts, &relit, &shot).0);
-        }
-        let vertices = file.parts.iter().map(|part| part.surface.positions.len() as u64).sum();
-        let progress = Progress::new(vertices);
-        progress.step("brute force");
-        let occluder = Occluder::of(&mesh);
-        let mut exact = RelitScene::default();
-        let parts = file.parts.iter().enumerate().map(|(index, part)| {
-            let brdf = (index == 0).then(|| subject.brdf());
-            let eye = shot.camera.eye;
-            let done = || progress.done(1);
-            let (part, colours) = exact_part(part, &mesh, &occluder, brdf, &light, eye, &done);
-            exact.parts.push(colours);
-            part
+            Ok(picture(&parts, &relit, &shot).0)
         });
-        let parts: Vec<Part<'_>> = parts.collect();
-        let (wanted, _) = picture(&parts, &exact, &shot);
-        drop(progress);
-
+        let films = films.collect::<anyhow::Result<Vec<Film>>>()?;
+        let brdf = (what == "terms").then(|| subject.brdf());
+        let wanted = by_brute_force(&file.parts, &mesh, brdf, &light, &shot);
         let tone = self
             .exposure
             .map_or_else(|| ToneMap::exposed_for(&wanted), |exposure| ToneMap { exposure });
@@ -169,6 +156,31 @@ impl Sweep {
         });
         cut.collect()
     }
+}
+
+/// The picture of the exact BRDF, or of the object's own terms where there is none, at vertices.
+fn by_brute_force(
+    parts: &[Part<'_>],
+    mesh: &Mesh,
+    brdf: Option<&dyn Brdf>,
+    light: &CubeLight,
+    shot: &Shot,
+) -> Film {
+    let vertices = parts.iter().map(|part| part.surface.positions.len() as u64).sum();
+    let progress = Progress::new(vertices);
+    progress.step("brute force");
+    let (occluder, done) = (Occluder::of(mesh), || progress.done(1));
+    let mut relit = RelitScene::default();
+    let parts = parts.iter().enumerate().map(|(index, part)| {
+        // The ground's own map is exact.
+        let brdf = brdf.filter(|_| index == 0);
+        let (part, colours) =
+            exact_part(part, mesh, &occluder, brdf, light, shot.camera.eye, &done);
+        relit.parts.push(colours);
+        part
+    });
+    let parts: Vec<Part<'_>> = parts.collect();
+    picture(&parts, &relit, shot).0
 }
 
 /// Sets what arrives for further terms to 0.
