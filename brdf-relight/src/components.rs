@@ -53,26 +53,15 @@ pub(crate) fn components(
     let mut made = Chunk::default();
     let mut chosen = Vec::new();
     for component in 0..kept {
-        // Eigenvectors have either sign.
+        // Of either sign, as eigenvectors have.
         let shares = shares.col(component);
         let largest =
             shares.iter().fold(0.0_f32, |most, v| if v.abs() > most.abs() { *v } else { most });
-        let mut entries = vec![Vec::new(); terms.weights.len()];
-        let (mut energy, mut price) = (0.0, price_of_weights);
-        for (row, column) in columns.iter().enumerate() {
-            let value = |channel: usize| bases[(row * channels + channel, component)];
-            let own: f64 = (0..channels).map(|channel| f64::from(value(channel)).powi(2)).sum();
-            if own > least {
-                energy += own;
-                price += least;
-                let (column, count) = (*column as usize, terms.weights.len());
-                let (place, term) = (column / count, column % count);
-                let scale = largest / terms.weights[term];
-                let value: Vec<f32> = (0..channels).map(|channel| scale * value(channel)).collect();
-                entries[term].push((u16::try_from(place).unwrap_or(u16::MAX), value));
-            }
-        }
-        if energy > price {
+        let values = bases.col(component).iter().copied().collect::<Vec<f32>>();
+        let (entries, energy) = entries(&values, &columns, terms, largest, least);
+        #[expect(clippy::cast_precision_loss, reason = "a count of numbers")]
+        let price = least * entries.iter().map(Vec::len).sum::<usize>() as f64;
+        if energy > price + price_of_weights {
             made.vectors.push(vectors(&entries, Coding::of(channels)));
             chosen.push((component, largest));
         }
@@ -83,6 +72,32 @@ pub(crate) fn components(
         }
     }
     Ok(made)
+}
+
+/// Place and channels of a number.
+type Entry = (u16, Vec<f32>);
+
+/// Numbers of a component that hold more than `least`, by term, without its weight and times `scale`; and what they hold.
+fn entries(
+    values: &[f32],
+    columns: &[u32],
+    terms: &Terms,
+    scale: f32,
+    least: f64,
+) -> (Vec<Vec<Entry>>, f64) {
+    let count = terms.weights.len();
+    let (mut entries, mut energy) = (vec![Vec::new(); count], 0.0);
+    for (column, values) in columns.iter().zip(values.chunks_exact(terms.channels)) {
+        let own: f64 = values.iter().map(|v| f64::from(*v).powi(2)).sum();
+        if own > least {
+            energy += own;
+            let (place, term) = (*column as usize / count, *column as usize % count);
+            let scale = scale / terms.weights[term];
+            let values = values.iter().map(|v| scale * v).collect();
+            entries[term].push((u16::try_from(place).unwrap_or(u16::MAX), values));
+        }
+    }
+    (entries, energy)
 }
 
 /// Columns that hold more than `least` over all members: no component has a larger number there.
@@ -116,7 +131,7 @@ fn dense(members: &[Entries], columns: &[u32], channels: usize) -> Mat<f32> {
 }
 
 /// A component's numbers, term after term.
-fn vectors(entries: &[Vec<(u16, Vec<f32>)>], coding: Coding) -> SparseVectors {
+fn vectors(entries: &[Vec<Entry>], coding: Coding) -> SparseVectors {
     let mut vectors = SparseVectors::default();
     for entries in entries {
         let all = entries.iter().flat_map(|(_, value)| value);

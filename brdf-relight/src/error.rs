@@ -14,16 +14,6 @@ pub enum RelightError {
         /// What would do.
         expected: &'static str,
     },
-    /// An option outside its range.
-    #[error("{option} is {value}; expected {expected}")]
-    Option {
-        /// Which option.
-        option: &'static str,
-        /// The value asked for.
-        value: usize,
-        /// What would do.
-        expected: &'static str,
-    },
     /// Transport of which no components are found.
     #[error("components of transport: {found}; expected finite transport")]
     Components {
