@@ -185,7 +185,8 @@ mod tests {
                 prop_assert!((value - back * largest / 1023.0).abs() <= 0.501 * largest / steps);
             }
             let back = Coding::Scalar.decode(Coding::Scalar.encode(&value[..1], largest))[0];
-            prop_assert!((value[0] - back * largest / 32767.0).abs() <= 0.501 * largest / 32767.0);
+            // A step of sixteen bits is a few hundred of f32.
+            prop_assert!((value[0] - back * largest / 32767.0).abs() <= 0.51 * largest / 32767.0);
         }
     }
 }
