@@ -2,7 +2,7 @@
 //!
 //! A BRDF f ≈ Σ_k g_k(wi) h_k(wo) takes the view out of the integral over light: for each vertex and term,
 //! what arrives is a product of the sky with a vector that depends on the object alone. These vectors, in a wavelet basis
-//! and cut to their largest coefficients, are precomputed; a change of light is a sparse product, a change of view a lookup.
+//! and cut to their largest coefficients or to components that vertices share, are precomputed; a change of light is a sparse product, a change of view a lookup.
 //!
 //! Source: Wang, Tran and Luebke 2004.
 //!
