@@ -15,8 +15,8 @@ use brdf_io::{OutputFolder, png_bytes, read_mesh};
 use brdf_model::{Analytic, Preset};
 use brdf_paint::pictures::{compared, contradictions_view, painted, reconstructed};
 use brdf_paint::{
-    BlendedTruth, Extraction, LightSource, PaintParams, PaintSamples, PaintedImage, PixelSurface,
-    SolverChoice, View, ViewBuffers, extract, face_views, vertex_views,
+    Extraction, GroundTruth, LightSource, PaintParams, PaintSamples, PaintView, PaintedImage,
+    PixelSurface, SolverChoice, ViewBuffers, extract, face_views, vertex_views,
 };
 use brdf_render::{
     Camera, DIFFERENCE_GAIN, DirectionalLight, DisplayImage, Light, Mesh, MeshView, Panel, Soup,
@@ -95,12 +95,12 @@ fn open(name: &str) -> anyhow::Result<Mesh> {
     Ok(mesh.with_sphere_coordinates())
 }
 
-fn buffers(mesh: &Mesh, views: &[View], size: usize) -> Vec<ViewBuffers> {
+fn buffers(mesh: &Mesh, views: &[PaintView], size: usize) -> Vec<ViewBuffers> {
     views.iter().map(|view| ViewBuffers::of(mesh, view, size, size)).collect()
 }
 
 /// What is painted on a surface by the view of a number; None leaves it transparent.
-type Brush = Box<dyn Fn(usize, &View, &PixelSurface) -> Option<[f64; 3]>>;
+type Brush = Box<dyn Fn(usize, &PaintView, &PixelSurface) -> Option<[f64; 3]>>;
 
 struct Painting {
     name: &'static str,
@@ -113,7 +113,7 @@ struct Painting {
 impl Painting {
     /// Eight bits a channel, as from a painting program.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 255")]
-    fn image(&self, at: usize, view: &View, buffers: &ViewBuffers) -> PaintedImage {
+    fn image(&self, at: usize, view: &PaintView, buffers: &ViewBuffers) -> PaintedImage {
         let shown = |surface: &PixelSurface| (self.brush)(at, view, surface);
         let pixels = buffers.pixels.iter().map(|surface| {
             let Some(colour) = surface.as_ref().and_then(shown) else { return [0.0; 4] };
@@ -131,7 +131,7 @@ fn mix(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 }
 
 /// The axes of the mesh in those of a surface cannot be told from its normal alone, but angles to the normal can.
-fn highlight(view: &View, surface: &PixelSurface, shift: f64) -> f64 {
+fn highlight(view: &PaintView, surface: &PixelSurface, shift: f64) -> f64 {
     let LightSource::Direction(light) = view.light else { return 0.0 };
     let half = (light - view.camera.forward() + shift * view.camera.up()).normalize();
     surface.normal.dot(half).max(0.0).powi(60)
@@ -208,8 +208,8 @@ fn paintings(views: &[ViewBuffers]) -> anyhow::Result<Vec<Painting>> {
     ])
 }
 
-fn truth(brdfs: &[Analytic; 3], scale: f64) -> BlendedTruth<'_> {
-    BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale }
+fn truth(brdfs: &[Analytic; 3], scale: f64) -> GroundTruth<'_> {
+    GroundTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale }
 }
 
 /// What was seen in the pictures of each painting.
@@ -245,7 +245,7 @@ impl<'a> Shown<'a> {
     fn of(
         painting: &'a Painting,
         mesh: &Mesh,
-        views: &[View],
+        views: &[PaintView],
         all: &[ViewBuffers],
     ) -> anyhow::Result<Self> {
         let mut samples = PaintSamples::new();
@@ -293,7 +293,7 @@ impl<'a> Shown<'a> {
     }
 
     /// Painted views beside their reconstructions.
-    fn strips(&self, views: &[View], all: &[ViewBuffers]) -> Vec<(DisplayImage, String)> {
+    fn strips(&self, views: &[PaintView], all: &[ViewBuffers]) -> Vec<(DisplayImage, String)> {
         let shown = [0, 4, 9].into_iter().map(|at| {
             let [image, difference] = compared(&all[at], &self.images[at], &self.turns.material);
             let [turns, published] =
@@ -312,7 +312,7 @@ impl<'a> Shown<'a> {
     }
 
     /// Views that were not painted, beside what would have been painted.
-    fn new_views(&self, mesh: &Mesh, unseen: &[View]) -> (DisplayImage, String) {
+    fn new_views(&self, mesh: &Mesh, unseen: &[PaintView]) -> (DisplayImage, String) {
         let mut panels = Vec::new();
         for at in [7, 23] {
             let buffers = ViewBuffers::of(mesh, &unseen[at], SIZE, SIZE);
@@ -327,7 +327,7 @@ impl<'a> Shown<'a> {
     }
 
     /// A line of the contact sheet.
-    fn row(&self, mesh: &Mesh, other: &Mesh, view: &View, unseen: &View) -> DisplayImage {
+    fn row(&self, mesh: &Mesh, other: &Mesh, view: &PaintView, unseen: &PaintView) -> DisplayImage {
         let own = ViewBuffers::of(mesh, view, SMALL, SMALL);
         let image = self.painting.image(0, view, &own);
         let new = ViewBuffers::of(mesh, unseen, SMALL, SMALL);

@@ -11,13 +11,13 @@ use std::time::Instant;
 
 use anyhow::Context as _;
 use brdf_factor::{
-    Damping, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem, Workspace,
+    Damping, FactorParams, FactorSpec, Inversion, Plan, Preinverted, PreinvertedWorkspace, Problem,
 };
 use brdf_io::read_mesh;
 use brdf_model::{Brdf, Channels, Preset, Rgb, SampleSet, log_offsets, measure};
 use brdf_paint::{
-    BlendedTruth, Mode, PaintErrors, PaintParams, PaintSamples, SolverChoice, View, ViewBuffers,
-    extract, face_views, vertex_views,
+    GroundTruth, Mode, PaintErrors, PaintParams, PaintSamples, PaintView, SolverChoice,
+    ViewBuffers, extract, face_views, vertex_views,
 };
 use brdf_plot::{Curves, Plot, Scale, Series, plot_curves};
 use brdf_render::Mesh;
@@ -35,11 +35,11 @@ fn main() -> anyhow::Result<()> {
     let preset = |name: &str| Preset::find(name).context("a built-in material").map(|p| p.brdf());
     let brdfs = [preset("lafortune-blue-paint")?, preset("red-plastic")?, preset("ggx")?];
     let views = vertex_views(&mesh);
-    let buffers = |views: &[View]| -> Vec<ViewBuffers> {
+    let buffers = |views: &[PaintView]| -> Vec<ViewBuffers> {
         views.iter().map(|view| ViewBuffers::of(&mesh, view, SIZE, SIZE)).collect()
     };
     let painted = buffers(&views);
-    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 1.0 };
+    let truth = GroundTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 1.0 };
     let truth = truth.scaled_for(&painted);
     let training = samples(&truth, &painted)?;
     let unseen = buffers(&face_views(&mesh));
@@ -63,9 +63,9 @@ fn main() -> anyhow::Result<()> {
 
 /// Errors of three radial factors of 64 by the number of singular vectors.
 fn damping(views: &[ViewBuffers], others: &[ViewBuffers], brdf: &dyn Brdf) -> anyhow::Result<Plot> {
-    let truth = BlendedTruth { brdfs: [brdf; 3], scale: 0.3 };
-    let training = samples(&truth, views)?.thinned(MANY);
-    let held_out = samples(&truth, others)?.thinned(3 * MANY);
+    let truth = GroundTruth { brdfs: [brdf; 3], scale: 0.3 };
+    let training = samples(&truth, views)?.subset(MANY);
+    let held_out = samples(&truth, others)?.subset(3 * MANY);
     let set = sample_set(&training);
     let problem = Problem::new(&set, &FactorParams::default())?;
     let unseen = sample_set(&held_out);
@@ -113,7 +113,7 @@ fn sample_set(samples: &PaintSamples) -> SampleSet {
     set
 }
 
-fn samples(truth: &BlendedTruth<'_>, views: &[ViewBuffers]) -> anyhow::Result<PaintSamples> {
+fn samples(truth: &GroundTruth<'_>, views: &[ViewBuffers]) -> anyhow::Result<PaintSamples> {
     let mut samples = PaintSamples::new();
     for (view, buffers) in views.iter().enumerate() {
         samples.add(view, &view.to_string(), buffers, &truth.paint(buffers), 0.1)?;
@@ -154,7 +154,7 @@ fn timed(
     let (cholesky, inverted) = least(5, || make(Inversion::Cholesky))?;
     let svd = Inversion::Svd { components: usize::MAX, damping: Damping::Truncated };
     let svd = if with_svd { Some(least(1, || make(svd))?.0) } else { None };
-    let mut workspace: Workspace = inverted.workspace(3);
+    let mut workspace: PreinvertedWorkspace = inverted.workspace(3);
     let (repaint, ()) = least(50, || {
         inverted.solve(set.values(), problem.maps(), &mut workspace);
         Ok(())
@@ -164,7 +164,7 @@ fn timed(
 
 fn preinversion(training: &PaintSamples) -> anyhow::Result<()> {
     let some = |count: usize| -> anyhow::Result<(PaintSamples, SampleSet)> {
-        let chosen = training.thinned(count);
+        let chosen = training.subset(count);
         let set = sample_set(&chosen);
         Ok((chosen, set))
     };

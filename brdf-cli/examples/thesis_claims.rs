@@ -120,7 +120,7 @@ fn errors(
         let params = params(Bound::Cube, 1e-3, TermSolve::Last(2));
         let search = GreedyParams { terms, restarts: 4, ..GreedyParams::default() };
         // A third of the samples is enough to find planes; textures are solved on all.
-        let problem = Problem::new(samples, &params)?.thinned(16_384);
+        let problem = Problem::new(samples, &params)?.subset(16_384);
         (params, search_greedy(&problem, family, &search, none)?)
     };
     let specs: Vec<Vec<FactorSpec>> =

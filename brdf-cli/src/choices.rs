@@ -1,6 +1,6 @@
 //! The choices of `brdf factor` and the library's enums behind them, so that libraries know no clap.
 
-use brdf_factor::{Coordinate, FactorSpec, LogMap, Weight};
+use brdf_factor::{Coordinate, FactorSpec, LogTransform, Weight};
 use brdf_param::{Bound, HemisphereMap, Parametrization, Space};
 use brdf_search::Objective;
 use clap::ValueEnum;
@@ -264,11 +264,11 @@ impl From<BoundArg> for Bound {
 
 impl LogMapArg {
     /// The map of homomorphic fits, if it is one of theirs.
-    pub(crate) fn homomorphic(self) -> Option<LogMap> {
+    pub(crate) fn homomorphic(self) -> Option<LogTransform> {
         match self {
-            Self::Offset => Some(LogMap::Offset),
-            Self::Log => Some(LogMap::Log),
-            Self::Highlight => Some(LogMap::Highlight),
+            Self::Offset => Some(LogTransform::Offset),
+            Self::Log => Some(LogTransform::Log),
+            Self::Highlight => Some(LogTransform::Highlight),
             Self::Cosine => None,
         }
     }

@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use brdf_factor::{
-    Coordinate, CrossValidation, FactorError, FactorParams, FactorSpec, Fit, Inversion, LogMap,
+    Coordinate, CrossValidation, FactorError, FactorParams, FactorSpec, Fit, Inversion, LogTransform,
     Plan, Preinverted, Problem, TermSolve, cross_validate, factorize, factorize_terms,
 };
 use brdf_io::{BasisFile, FitSettings, TermRecord};
@@ -255,7 +255,7 @@ impl Training {
     ) -> SearchSamples {
         // No more copies of rows than there would be drawn pairs: planes do not need them.
         let fair =
-            |rows: SampleSet| rows.shuffled(settings.seed).thinned(settings.samples as usize);
+            |rows: SampleSet| rows.shuffled(settings.seed).subset(settings.samples as usize);
         let fitted = match &self.held_out {
             HeldOut::Drawn(_) => self.fitted.clone(),
             HeldOut::Folds(_) => fair(self.fitted.clone()),
@@ -275,8 +275,8 @@ impl Training {
                 let aside = self.rows.folds(FOLDS, seed).swap_remove(0);
                 let rest: Vec<usize> =
                     (0..self.rows.len()).filter(|i| aside.binary_search(i).is_err()).collect();
-                let rest = self.rows.subset(&rest).replicated(folds.rotations, folds.reciprocal);
-                let unseen = self.rows.subset(&aside);
+                let rest = self.rows.select(&rest).replicated(folds.rotations, folds.reciprocal);
+                let unseen = self.rows.select(&aside);
                 Choice { fitted: fair(rest), unseen, is_complete: false }
             }
         });
@@ -319,17 +319,17 @@ fn projections(specs: &[FactorSpec]) -> Vec<Projection> {
 
 /// The rows that a log map can take: dropped before they are copied, so that rows are counted and
 /// not copies, and so that training errors are of what was fitted.
-fn fit_for(log_map: LogMap, rows: SampleSet) -> SampleSet {
+fn fit_for(log_map: LogTransform, rows: SampleSet) -> SampleSet {
     match log_map {
-        LogMap::Log => rows.positive(),
-        LogMap::Offset | LogMap::Highlight => rows,
+        LogTransform::Log => rows.positive(),
+        LogTransform::Offset | LogTransform::Highlight => rows,
     }
 }
 
 /// Share of direction pairs within the grazing limit that have a row nearby.
 fn coverage(subject: &Subject, settings: &FitSettings) -> f64 {
     let sampling = PairSampling { count: 4_000, seed: 1, theta_max: settings.params.theta_max };
-    let covered = sampling.pairs().filter(|pair| subject.brdf().covers(pair)).count();
+    let covered = sampling.pairs().filter(|pair| subject.brdf().has_data(pair)).count();
     #[expect(clippy::cast_precision_loss, reason = "four thousand pairs")]
     let share = covered as f64 / f64::from(sampling.count);
     share

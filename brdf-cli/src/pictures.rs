@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use brdf_factor::{ChannelMap, Factor, FactoredBrdf};
+use brdf_factor::{ChannelTransform, Factor, FactoredBrdf};
 use brdf_io::{IoError, OutputFolder, SeparableFile, png_bytes, read_environment, write_exr};
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::{DirectionPair, Parametrization};
@@ -297,7 +297,7 @@ pub(crate) fn model_sphere(model: &dyn Brdf) -> anyhow::Result<Vec<u8>> {
 
 /// The values of one factor on a small sphere: where on it the factor brightens and darkens.
 fn factor_sphere(factor: &Factor, channels: Channels) -> anyhow::Result<Vec<u8>> {
-    let maps = vec![ChannelMap::Log; channels.count()];
+    let maps = vec![ChannelTransform::Log; channels.count()];
     let alone = FactoredBrdf::new(vec![factor.clone()], maps, std::f64::consts::FRAC_PI_2)?;
     let light = Light::Directional(DirectionalLight::default());
     let view = SphereView { size: SMALL_SPHERE, ..SphereView::default() };
@@ -349,9 +349,9 @@ impl Brdf for Grey<'_> {
         }
     }
 
-    fn covers(&self, pair: &DirectionPair) -> bool {
+    fn has_data(&self, pair: &DirectionPair) -> bool {
         match self {
-            Self::Colour(brdf) | Self::Luminance(brdf) => brdf.covers(pair),
+            Self::Colour(brdf) | Self::Luminance(brdf) => brdf.has_data(pair),
         }
     }
 }

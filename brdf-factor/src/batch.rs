@@ -1,4 +1,4 @@
-//! Evaluation of many pairs at once, in f32 and in tiles that the compiler can vectorise.
+//! Evaluation of many pairs at once, in f32 and in tiles that the compiler can vectorize.
 //!
 //! Three loops a tile: texture coordinates (arithmetic over arrays), texels (four channels in one
 //! load, the only step that cannot be laid out in arrays), and the inverse log map (arithmetic
@@ -7,7 +7,7 @@
 use brdf_model::{DirectionBatch, RgbBatch};
 
 use crate::coordinate::{Radial, Reading};
-use crate::{ChannelMap, FactoredBrdf};
+use crate::{ChannelTransform, FactoredBrdf};
 use brdf_param::Space;
 
 /// Pairs per tile: all scratch arrays together stay within the first-level cache.
@@ -303,7 +303,7 @@ fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
 #[inline(always)]
 fn finish(
     tile: &Tile,
-    maps: &[ChannelMap],
+    maps: &[ChannelTransform],
     pairs: &DirectionBatch,
     start: usize,
     len: usize,
@@ -318,10 +318,10 @@ fn finish(
     for (channel, map) in maps.iter().enumerate() {
         // f = scale · e^x + shift in every case.
         let (scale, shift) = match *map {
-            ChannelMap::Offset { a } => (1.0, -narrow(a)),
-            ChannelMap::Log => (1.0, 0.0),
-            ChannelMap::Highlight { a } => (-1.0, narrow(a)),
-            ChannelMap::Zero => (0.0, 0.0),
+            ChannelTransform::Offset { a } => (1.0, -narrow(a)),
+            ChannelTransform::Log => (1.0, 0.0),
+            ChannelTransform::Highlight { a } => (-1.0, narrow(a)),
+            ChannelTransform::Zero => (0.0, 0.0),
         };
         for lane in 0..TILE {
             let value = scale * exp(tile.sums[lane][channel]) + shift;

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::batch;
-use crate::{ChannelMap, Coordinate, FactorError, Grid};
+use crate::{ChannelTransform, Coordinate, FactorError, Grid};
 
 /// A factor without its texels: what a file says about a texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -206,7 +206,7 @@ pub struct EvalCounts {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FactoredBrdf {
     factors: Vec<Factor>,
-    maps: Vec<ChannelMap>,
+    maps: Vec<ChannelTransform>,
     /// Grazing limit in radians: beyond it, evaluation pulls directions back along their azimuth.
     theta_max: f64,
 }
@@ -220,7 +220,7 @@ impl FactoredBrdf {
     /// [`FactorError::Option`] unless 0 < `theta_max` ≤ π/2.
     pub fn new(
         factors: Vec<Factor>,
-        maps: Vec<ChannelMap>,
+        maps: Vec<ChannelTransform>,
         theta_max: f64,
     ) -> Result<Self, FactorError> {
         if factors.is_empty() || !matches!(maps.len(), 1 | 3) {
@@ -245,7 +245,7 @@ impl FactoredBrdf {
     }
 
     /// The map of each channel.
-    pub fn maps(&self) -> &[ChannelMap] {
+    pub fn maps(&self) -> &[ChannelTransform] {
         &self.maps
     }
 
@@ -280,7 +280,7 @@ impl FactoredBrdf {
             let pulled = self.pulled_back(&pair);
             counts.pulled_back += usize::from(pulled != pair);
             counts.outside_texture += usize::from(!self.factors.iter().all(|f| f.holds(&pulled)));
-            let value = self.eval_signed(&pair);
+            let value = self.eval_unclamped(&pair);
             let channels = &value.channels()[..self.maps.len()];
             counts.clamped_below_zero += usize::from(channels.iter().any(|&v| v < 0.0));
         }
@@ -303,10 +303,10 @@ impl FactoredBrdf {
 
 impl Brdf for FactoredBrdf {
     fn eval(&self, pair: &DirectionPair) -> Rgb {
-        self.eval_signed(pair).map(|v| v.max(0.0))
+        self.eval_unclamped(pair).map(|v| v.max(0.0))
     }
 
-    fn eval_signed(&self, pair: &DirectionPair) -> Rgb {
+    fn eval_unclamped(&self, pair: &DirectionPair) -> Rgb {
         // Written so that NaN directions are not lit either.
         if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             return Rgb::BLACK;

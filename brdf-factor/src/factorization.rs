@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Columns, Factor, FactorError, FactorSpec, FactoredBrdf, LinearSystem, LogMap, Problem, Solver,
+    Columns, Factor, FactorError, FactorSpec, FactoredBrdf, LinearSystem, LogTransform, Problem,
+    Solver,
 };
 
 /// What a sample's squared log residual is multiplied by.
@@ -46,7 +47,7 @@ pub struct FactorParams {
     /// factor). 1e-4 costs nothing measurable; 1e-3 costs 5–14 % of log error.
     pub smoothing: f64,
     /// Which logarithm is fitted.
-    pub log_map: LogMap,
+    pub log_map: LogTransform,
     /// How samples are weighted.
     pub weight: Weight,
     /// How several terms are solved for.
@@ -64,7 +65,7 @@ impl Default for FactorParams {
             texture_size: 32,
             bound: Bound::Disc,
             smoothing: 1e-4,
-            log_map: LogMap::Offset,
+            log_map: LogTransform::Offset,
             weight: Weight::Log,
             terms: TermSolve::All,
             theta_max: 80_f64.to_radians(),
@@ -228,7 +229,7 @@ fn rest_of(problem: &Problem, earlier: &[Factor]) -> Problem {
             columns.add_values(&columns.texels_of(factor, channel), given);
         }
     }
-    problem.less(&given)
+    problem.subtract(&given)
 }
 
 fn refuse_free_texels(untouched: &[Vec<usize>], factors: &[Factor]) -> Result<(), FactorError> {

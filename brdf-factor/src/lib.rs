@@ -26,7 +26,7 @@ mod factored;
 mod factorization;
 mod grid;
 mod linear_system;
-mod log_map;
+mod log_transform;
 mod lsmr;
 mod normal_equations;
 mod preinverted;
@@ -43,9 +43,11 @@ pub use factored::{EvalCounts, Factor, FactorDescription, FactoredBrdf};
 pub use factorization::{FactorParams, Fit, TermSolve, Weight, factorize, factorize_terms};
 pub use grid::Grid;
 pub use linear_system::LinearSystem;
-pub use log_map::{ChannelMap, LogMap};
+pub use log_transform::{ChannelTransform, LogTransform};
 pub use normal_equations::{CholeskyFactor, NormalEquations};
-pub use preinverted::{Damping, Inverse, Inversion, Plan, Preinverted, SpectralBasis, Workspace};
+pub use preinverted::{
+    Damping, Inverse, Inversion, Plan, Preinverted, PreinvertedWorkspace, SpectralBasis,
+};
 pub use problem::Problem;
 pub use solver::{Solution, Solver};
 pub use surface::{SurfaceProduct, SurfaceTexture};

@@ -9,8 +9,8 @@ use glam::{DVec2, DVec3};
 
 use crate::coordinate::Reading;
 use crate::{
-    ChannelMap, Columns, Factor, FactorDescription, FactorError, FactorParams, FactorSpec, LogMap,
-    Weight,
+    ChannelTransform, Columns, Factor, FactorDescription, FactorError, FactorParams, FactorSpec,
+    LogTransform, Weight,
 };
 
 /// What is fitted, whatever the coordinates.
@@ -23,7 +23,7 @@ pub struct Problem {
     samples: SampleSet,
     /// Place of every sample in the set that was handed in.
     origin: Vec<usize>,
-    maps: Vec<ChannelMap>,
+    maps: Vec<ChannelTransform>,
     weights: Vec<f64>,
     /// Fitted values of each channel.
     targets: Vec<Vec<f64>>,
@@ -52,12 +52,12 @@ impl Problem {
     /// [`FactorError::NoSamples`], [`FactorError::Option`].
     pub fn new(samples: &SampleSet, params: &FactorParams) -> Result<Self, FactorError> {
         params.check()?;
-        let positive = (params.log_map == LogMap::Log).then(|| samples.positive());
+        let positive = (params.log_map == LogTransform::Log).then(|| samples.positive());
         let samples = positive.as_ref().unwrap_or(samples);
         if samples.is_empty() {
             return Err(FactorError::NoSamples { dropped: samples.dropped().to_string() });
         }
-        let maps = ChannelMap::for_samples(params.log_map, samples);
+        let maps = ChannelTransform::for_samples(params.log_map, samples);
         let origin = morton_order(samples);
         let sorted = samples.rearranged(&origin);
         let weights = weights(&sorted, params.weight);
@@ -75,7 +75,7 @@ impl Problem {
         params: FactorParams,
         samples: SampleSet,
         origin: Vec<usize>,
-        maps: Vec<ChannelMap>,
+        maps: Vec<ChannelTransform>,
         weights: Vec<f64>,
         theta_max: f64,
     ) -> Self {
@@ -91,12 +91,12 @@ impl Problem {
     /// The same problem over the first `count` of its samples, in the order in which they were handed
     /// in: every leading part of a drawn set is spread evenly; measured rows should be shuffled. Log maps and scales stay those of the whole problem.
     #[must_use]
-    pub fn thinned(&self, count: usize) -> Self {
+    pub fn subset(&self, count: usize) -> Self {
         let keep: Vec<usize> = (0..self.len()).filter(|&at| self.origin[at] < count).collect();
         let origin = keep.iter().map(|&at| self.origin[at]).collect();
         let weights = keep.iter().map(|&at| self.weights[at]).collect();
-        let samples = self.samples.subset(&keep);
-        let thinned = Self::assemble(
+        let samples = self.samples.select(&keep);
+        let subset = Self::assemble(
             self.params,
             samples,
             origin,
@@ -104,13 +104,13 @@ impl Problem {
             weights,
             self.theta_max,
         );
-        for (mine, theirs) in thinned.spaces.iter().zip(&self.spaces) {
+        for (mine, theirs) in subset.spaces.iter().zip(&self.spaces) {
             if let Some(whole) = theirs.get() {
                 let points = keep.iter().map(|&at| whole.points[at]).collect();
                 mine.get_or_init(|| SpacePoints { points, radii: whole.radii });
             }
         }
-        thinned
+        subset
     }
 
     /// The problem of fitting what is left when these values of every channel and sample are
@@ -120,7 +120,7 @@ impl Problem {
     ///
     /// If there is not one value per sample and channel.
     #[must_use]
-    pub fn less(&self, explained: &[Vec<f64>]) -> Self {
+    pub fn subtract(&self, explained: &[Vec<f64>]) -> Self {
         assert_eq!(explained.len(), self.targets.len(), "one array per channel");
         let mut rest = self.clone();
         for (targets, given) in rest.targets.iter_mut().zip(explained) {
@@ -153,7 +153,7 @@ impl Problem {
     }
 
     /// The log map of each channel.
-    pub fn maps(&self) -> &[ChannelMap] {
+    pub fn maps(&self) -> &[ChannelTransform] {
         &self.maps
     }
 
@@ -339,7 +339,7 @@ mod tests {
         let problem = Problem::new(&samples, &FactorParams::default()).unwrap();
         let radius = problem.space(Space::HalfDifference).radii;
         assert_eq!(problem.in_given_order(&problem.values()[0]), samples.values()[0]);
-        let thin = problem.thinned(50);
+        let thin = problem.subset(50);
         assert_eq!((thin.len(), thin.space(Space::HalfDifference).radii), (50, radius));
         assert_eq!(thin.in_given_order(&thin.values()[0]), samples.values()[0][..50]);
     }

@@ -6,7 +6,7 @@ use brdf_model::{Brdf as _, Rgb};
 use brdf_param::DirectionPair;
 use glam::DVec2;
 
-use crate::{ChannelMap, FactorError, FactoredBrdf, Grid};
+use crate::{ChannelTransform, FactorError, FactoredBrdf, Grid};
 
 /// Log values over texture coordinates (u, v) in [0, 1]².
 #[derive(Clone, Debug, PartialEq)]
@@ -92,18 +92,18 @@ impl SurfaceProduct {
 
     /// f in sr⁻¹ at a place, 0 and above; 0 where a direction is not above the surface.
     pub fn eval(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
-        self.eval_signed(pair, uv).map(|v| v.max(0.0))
+        self.eval_unclamped(pair, uv).map(|v| v.max(0.0))
     }
 
     /// The same as the log map gives it, which may be negative.
-    pub fn eval_signed(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
-        let Some(surface) = &self.surface else { return self.angular.eval_signed(pair) };
+    pub fn eval_unclamped(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
+        let Some(surface) = &self.surface else { return self.angular.eval_unclamped(pair) };
         if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             return Rgb::BLACK;
         }
         let mut logs = self.angular.log_values(pair);
         surface.add_log_values(uv, &mut logs);
-        let value = ChannelMap::inverse;
+        let value = ChannelTransform::inverse;
         match self.angular.maps() {
             [map] => Rgb::splat(value(map, logs[0])),
             [r, g, b] => Rgb::new(value(r, logs[0]), value(g, logs[1]), value(b, logs[2])),

@@ -43,12 +43,12 @@ pub fn cross_validate(
             let rest: Vec<usize> =
                 (0..samples.len()).filter(|i| held_out.binary_search(i).is_err()).collect();
             let training =
-                samples.subset(&rest).replicated(validation.rotations, validation.reciprocal);
+                samples.select(&rest).replicated(validation.rotations, validation.reciprocal);
             let fit = match params.terms {
                 TermSolve::All => factorize(&training, specs, params)?,
                 TermSolve::Last(_) => last_term(&training, specs, params)?,
             };
-            let unseen = samples.subset(held_out);
+            let unseen = samples.select(held_out);
             Ok((measure(&unseen, &fit.model, &log_offsets(&training)), unseen.len()))
         })
         .collect();

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use brdf_factor::{
-    ChannelMap, Columns, Damping, FactorError, FactorParams, FactorSpec, Inversion, LinearSystem,
-    LogMap, Plan, Preinverted, Problem, Weight, factorize,
+    ChannelTransform, Columns, Damping, FactorError, FactorParams, FactorSpec, Inversion,
+    LinearSystem, LogTransform, Plan, Preinverted, Problem, Weight, factorize,
 };
 use brdf_model::{Brdf as _, Channels, PairSampling, Preset, Rgb, SampleSet};
 use brdf_param::DirectionPair;
@@ -54,7 +54,7 @@ fn a_repaint_is_the_factorization_from_scratch() {
         // Values of another material at the same places.
         for preset in ["cook-torrance", "lafortune-blue-paint"] {
             let other = samples(preset, 2000, 1);
-            let maps = ChannelMap::for_samples(LogMap::Offset, &other);
+            let maps = ChannelTransform::for_samples(LogTransform::Offset, &other);
             inverted.solve(other.values(), &maps, &mut workspace);
             let params = FactorParams { texture_size: 8, ..FactorParams::default() };
             let fit = factorize(&other, &specs, &params).unwrap();
@@ -213,7 +213,7 @@ fn weights_that_depend_on_values_are_refused() {
     let samples = samples("cook-torrance", 100, 1);
     for params in [
         FactorParams { weight: Weight::F, ..FactorParams::default() },
-        FactorParams { log_map: LogMap::Log, ..FactorParams::default() },
+        FactorParams { log_map: LogTransform::Log, ..FactorParams::default() },
     ] {
         let problem = Problem::new(&samples, &params).unwrap();
         let plan = Plan::of(&FactorSpec::radial(true), 8);
@@ -252,7 +252,7 @@ proptest! {
         let problem = problem(&samples);
         let plan = Plan::of(&FactorSpec::radial(false), 6);
         let inverted = Preinverted::new(&problem, &[], plan, Inversion::Cholesky).unwrap();
-        let maps = [ChannelMap::Log; 3];
+        let maps = [ChannelTransform::Log; 3];
         let mut workspace = inverted.workspace(3);
         let values: Vec<Vec<f64>> = samples.values().to_vec();
         inverted.solve(&values, &maps, &mut workspace);

@@ -67,7 +67,7 @@ fn is_ours(content: &[u8]) -> bool {
     is_table || is_picture || is_plot || matches!(detect(content), Ok(Format::Native))
 }
 
-/// The name of the file by which a folder of ours is recognised, and how that file starts.
+/// The name of the file by which a folder of ours is recognized, and how that file starts.
 const MARK: (&str, &str) = ("report.json", "{\n  \"brdf\":");
 
 /// Files of every folder of ours; textures have numbers.

@@ -1,4 +1,4 @@
-//! Recognising formats by what is in a file.
+//! Recognizing formats by what is in a file.
 
 use serde::{Deserialize, Serialize};
 

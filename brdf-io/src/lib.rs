@@ -1,7 +1,7 @@
 //! Files: measured BRDF formats in; models, textures and images out.
 //!
 //! Every reader takes bytes, so that it can be tested and fuzzed without files, and checks every
-//! count against the bytes that are there before it allocates. [`open_measurement`] recognises a
+//! count against the bytes that are there before it allocates. [`open_measurement`] recognizes a
 //! format by content: extensions of this field collide.
 
 mod alta;
@@ -52,8 +52,8 @@ pub use merl::{merl_to_bytes, read_merl};
 pub use mesh::{parse_mesh, read_mesh};
 pub use nbrdf::{nbrdf_names, read_nbrdf};
 pub use paint::{
-    Scene, TruthRecord, buffers_to_exr, painting_to_exr, read_buffers, read_painting, read_scene,
-    read_views, scene_to_toml,
+    PaintScene, TruthRecord, buffers_to_exr, painting_to_exr, read_buffers, read_painting,
+    read_scene, read_views, scene_to_toml,
 };
 pub use pictures::{parse_environment, png_bytes, read_environment};
 pub use projections::{ProjectionFile, read_projections};

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use brdf_paint::{LightSource, PaintedImage, PixelSurface, View, ViewBuffers};
+use brdf_paint::{LightSource, PaintView, PaintedImage, PixelSurface, ViewBuffers};
 use brdf_render::{Camera, UvSource};
 use btf_vq::colour::srgb_to_linear;
 use glam::{DVec2, DVec3};
@@ -16,7 +16,7 @@ use crate::{FormatError, IoError, MappedFile};
 
 /// What `scene.toml` says.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scene {
+pub struct PaintScene {
     /// The mesh, as it was given.
     pub mesh: String,
     /// Where its texture coordinates are from.
@@ -24,7 +24,7 @@ pub struct Scene {
     /// Columns and rows of the pictures.
     pub size: [usize; 2],
     /// Cameras and lights.
-    pub views: Vec<View>,
+    pub views: Vec<PaintView>,
     /// What the pictures show, where they were rendered.
     pub truth: Option<TruthRecord>,
 }
@@ -91,7 +91,7 @@ const MAX_SIDE: usize = 16_384;
 const MAX_BYTES: u64 = 2 << 30;
 
 impl RawView {
-    fn of(view: &View) -> Self {
+    fn of(view: &PaintView) -> Self {
         let (light_direction, light_position) = match view.light {
             LightSource::Direction(direction) => (Some(direction.to_array()), None),
             LightSource::Position(place) => (None, Some(place.to_array())),
@@ -110,7 +110,7 @@ impl RawView {
         }
     }
 
-    fn view(self) -> Result<View, FormatError> {
+    fn view(self) -> Result<PaintView, FormatError> {
         let refuse = |what: &str, expected: &str| FormatError::Missing {
             what: format!("{what} of view {:?}", self.name),
             expected: expected.to_owned(),
@@ -143,18 +143,24 @@ impl RawView {
         if !self.white.iter().all(|v| *v > 0.0 && v.is_finite()) {
             return Err(refuse("white", "three numbers above 0: what a white diffuser is in it"));
         }
-        Ok(View { name: self.name, camera, light, white: self.white, has_shadows: self.shadows })
+        Ok(PaintView {
+            name: self.name,
+            camera,
+            light,
+            white: self.white,
+            has_shadows: self.shadows,
+        })
     }
 }
 
-fn views(raw: Vec<RawView>) -> Result<Vec<View>, FormatError> {
+fn views(raw: Vec<RawView>) -> Result<Vec<PaintView>, FormatError> {
     if raw.is_empty() || raw.len() > MAX_VIEWS {
         return Err(FormatError::Missing {
             what: format!("usable list of views ({} of them)", raw.len()),
             expected: format!("1 to {MAX_VIEWS} entries [[view]]"),
         });
     }
-    let views: Vec<View> = raw.into_iter().map(RawView::view).collect::<Result<_, _>>()?;
+    let views: Vec<PaintView> = raw.into_iter().map(RawView::view).collect::<Result<_, _>>()?;
     let mut names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
     names.sort_unstable();
     match names.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -171,7 +177,7 @@ fn views(raw: Vec<RawView>) -> Result<Vec<View>, FormatError> {
 /// # Errors
 ///
 /// [`FormatError::Library`] for wrong syntax, [`FormatError::Missing`] for cameras or lights that cannot be.
-pub fn read_scene(text: &str) -> Result<Scene, FormatError> {
+pub fn read_scene(text: &str) -> Result<PaintScene, FormatError> {
     let raw: RawScene = toml::from_str(text).map_err(|e| library("scene", &e.message()))?;
     let [width, height] = raw.size;
     if ![width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
@@ -181,7 +187,7 @@ pub fn read_scene(text: &str) -> Result<Scene, FormatError> {
         });
     }
     let RawScene { mesh, uv, size, truth, view } = raw;
-    Ok(Scene { mesh, uv, size, views: views(view)?, truth })
+    Ok(PaintScene { mesh, uv, size, views: views(view)?, truth })
 }
 
 /// Reads a list of views: entries `[[view]]` with `name`, `eye`, `target`, `up`, `fov_deg` across the picture, and
@@ -191,7 +197,7 @@ pub fn read_scene(text: &str) -> Result<Scene, FormatError> {
 /// # Errors
 ///
 /// As [`read_scene`].
-pub fn read_views(text: &str) -> Result<Vec<View>, FormatError> {
+pub fn read_views(text: &str) -> Result<Vec<PaintView>, FormatError> {
     let raw: RawViews = toml::from_str(text).map_err(|e| library("views", &e.message()))?;
     views(raw.view)
 }
@@ -201,7 +207,7 @@ pub fn read_views(text: &str) -> Result<Vec<View>, FormatError> {
 /// # Errors
 ///
 /// [`FormatError::Library`] if it cannot be written.
-pub fn scene_to_toml(scene: &Scene) -> Result<String, FormatError> {
+pub fn scene_to_toml(scene: &PaintScene) -> Result<String, FormatError> {
     let raw = RawScene {
         mesh: scene.mesh.clone(),
         uv: scene.uv,
@@ -409,7 +415,7 @@ mod tests {
     fn a_scene_and_its_buffers_come_back() {
         let mesh = triangle();
         let views = vertex_views(&mesh);
-        let scene = Scene {
+        let scene = PaintScene {
             mesh: "triangle.ply".to_owned(),
             uv: UvSource::Sphere,
             size: [16; 2],

@@ -9,10 +9,10 @@ use image::{DynamicImage, ImageDecoder as _, Limits};
 
 use crate::{FormatError, IoError, MappedFile};
 
-/// How our pictures are recognised: their Software text.
+/// How our pictures are recognized: their Software text.
 pub(crate) const PICTURE_MARK: &[u8] = b"Software\0brdf";
 
-/// How our plots are recognised: the comment at their head.
+/// How our plots are recognized: the comment at their head.
 pub(crate) const PLOT_MARK: &[u8] = b"<!-- brdf plot -->";
 
 /// Largest environment that is read.

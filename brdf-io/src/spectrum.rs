@@ -35,9 +35,9 @@ impl SpectrumToRgb {
             })
             .collect();
         let white: [f64; 3] = std::array::from_fn(|c| raw.iter().map(|weight| weight[c]).sum());
-        let normalised =
+        let normalized =
             |weight: [f64; 3]| Rgb::from(std::array::from_fn(|c| weight[c] / white[c]));
-        Some(Self { weights: raw.into_iter().map(normalised).collect() })
+        Some(Self { weights: raw.into_iter().map(normalized).collect() })
     }
 
     /// The colour of a spectrum with one value per wavelength, and whether it had to be brought into

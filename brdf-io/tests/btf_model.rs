@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use brdf_io::{BtfRecord, MappedFile, btf_model_to_bytes, parse_btf_model};
 use btf_vq::{
-    AngularGrid, Books, BtfModel, Chroma, Encoding, IndexBook, Material, ScaleBits, TextureInfo,
-    VqModel,
+    AngularGrid, BtfModel, Chroma, Codebooks, Encoding, IndexCodebook, Material, ScaleBits,
+    TextureInfo, VqModel,
 };
 
 /// A model of 2 × 2 × 2 × 1 nodes and 2 × 2 texels.
 fn model() -> BtfModel {
     let grid = AngularGrid { alphas: 2, betas: 2, thetas: 2, phis: 1, ..AngularGrid::default() };
-    let mut books = Books::new(grid, Encoding::Srgb, Chroma::Relative);
+    let mut books = Codebooks::new(grid, Encoding::Srgb, Chroma::Relative);
     books.p1.values = vec![1.0, 0.5, 0.2, 0.9, 0.3, 0.3];
     books.p2.index = vec![0, 1, 2, 0];
     books.p2.scale = vec![1.0, 0.5, 0.25, 0.7];
@@ -26,7 +26,7 @@ fn model() -> BtfModel {
     books.p4.index = vec![0, 1, 0];
     books.p4.scale = vec![1.0, 0.7, 0.5];
     let index = vec![0, 2, 1, 2];
-    let texture = IndexBook { len: 1, index, scale: vec![0.5, 0.6, 0.7, 0.8] };
+    let texture = IndexCodebook { len: 1, index, scale: vec![0.5, 0.6, 0.7, 0.8] };
     let info = TextureInfo {
         name: "tiny".to_owned(),
         width: 2,
@@ -35,7 +35,7 @@ fn model() -> BtfModel {
         levels: 1,
     };
     let mut materials = [Material { info, levels: vec![texture] }];
-    books.normalise(&mut materials);
+    books.normalize(&mut materials);
     BtfModel::Vq(VqModel::pack(&books, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap())
 }
 

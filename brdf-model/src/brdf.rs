@@ -14,13 +14,13 @@ pub trait Brdf: Sync {
 
     /// The value before negative results were clamped to 0. The same as [`Brdf::eval`] for models
     /// that cannot go negative.
-    fn eval_signed(&self, pair: &DirectionPair) -> Rgb {
+    fn eval_unclamped(&self, pair: &DirectionPair) -> Rgb {
         self.eval(pair)
     }
 
     /// Whether the model has data for the pair: measured tables have holes, and nothing has data
     /// below the horizon.
-    fn covers(&self, pair: &DirectionPair) -> bool {
+    fn has_data(&self, pair: &DirectionPair) -> bool {
         is_lit(pair)
     }
 

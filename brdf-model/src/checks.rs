@@ -37,7 +37,7 @@ pub fn check(brdf: &dyn Brdf, theta_max: f64) -> PhysicalChecks {
     let (mut difference, mut sum, mut covered) = (0.0, 0.0, 0_u32);
     for pair in sampling.pairs() {
         let swapped = pair.swapped();
-        if !brdf.covers(&pair) || !brdf.covers(&swapped) {
+        if !brdf.has_data(&pair) || !brdf.has_data(&swapped) {
             continue;
         }
         covered += 1;
@@ -76,11 +76,11 @@ pub fn directional_albedo(brdf: &dyn Brdf, theta: f64) -> Rgb {
     let sobol = ScrambledSobol::new(1);
     let estimate = |wo: glam::DVec3| {
         let pair = DirectionPair::new(wi, wo);
-        if wo.z <= 0.0 || !brdf.covers(&pair) {
+        if wo.z <= 0.0 || !brdf.has_data(&pair) {
             return Rgb::BLACK;
         }
-        let density = 0.5 * wo.z / PI + 0.5 * lobe_density(mirror, wo);
-        brdf.eval(&pair) * (wo.z / density)
+        let pdf = 0.5 * wo.z / PI + 0.5 * lobe_pdf(mirror, wo);
+        brdf.eval(&pair) * (wo.z / pdf)
     };
     let mut sum = Rgb::BLACK;
     for index in 0..POINTS {
@@ -93,7 +93,7 @@ pub fn directional_albedo(brdf: &dyn Brdf, theta: f64) -> Rgb {
 /// Exponent of the lobe that looks for highlights: half of it lies within 17° of its axis.
 const LOBE_EXPONENT: f64 = 15.0;
 
-fn lobe_density(axis: glam::DVec3, direction: glam::DVec3) -> f64 {
+fn lobe_pdf(axis: glam::DVec3, direction: glam::DVec3) -> f64 {
     (LOBE_EXPONENT + 1.0) / (2.0 * PI) * axis.dot(direction).max(0.0).powf(LOBE_EXPONENT)
 }
 
@@ -123,7 +123,7 @@ pub struct SampleSummary {
     pub zero_share: f64,
 }
 
-/// Summarises a set of samples.
+/// Summarizes a set of samples.
 pub fn summarize(samples: &SampleSet) -> SampleSummary {
     #[expect(clippy::cast_possible_truncation, reason = "components times ten thousand")]
     let rounded = |v: f64| (v * 1e4).round() as i64;
@@ -161,7 +161,7 @@ pub fn anisotropy(brdf: &dyn Brdf) -> f64 {
     let (mut off, mut all) = (0.0, 0.0);
     for pair in sampling.pairs() {
         let turned = pair.rotated_about_normal(std::f64::consts::FRAC_PI_2);
-        if brdf.covers(&pair) && brdf.covers(&turned) {
+        if brdf.has_data(&pair) && brdf.has_data(&turned) {
             let value = brdf.eval(&pair).luminance();
             off += (value - brdf.eval(&turned).luminance()).abs();
             all += value;

@@ -1,4 +1,4 @@
-//! Unpolarised Fresnel reflectance.
+//! Unpolarized Fresnel reflectance.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ impl Fresnel {
     }
 }
 
-/// Exact unpolarised reflectance of a dielectric entered from air; 1 under total reflection.
+/// Exact unpolarized reflectance of a dielectric entered from air; 1 under total reflection.
 pub fn dielectric_reflectance(cos_theta: f64, ior: f64) -> f64 {
     let sin_sq = 1.0 - cos_theta * cos_theta;
     let refracted_sq = 1.0 - sin_sq / (ior * ior);
@@ -47,7 +47,7 @@ pub fn dielectric_reflectance(cos_theta: f64, ior: f64) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Exact unpolarised reflectance of a conductor with complex index `eta` + i `k` in air.
+/// Exact unpolarized reflectance of a conductor with complex index `eta` + i `k` in air.
 pub fn conductor_reflectance(cos_theta: f64, eta: f64, k: f64) -> f64 {
     let cos_sq = cos_theta * cos_theta;
     let sin_sq = 1.0 - cos_sq;

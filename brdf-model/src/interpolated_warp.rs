@@ -1,5 +1,5 @@
 //! Two-dimensional tables that depend on up to two parameters: bilinear lookup, and the warp that
-//! turns such a table into a uniform density.
+//! turns such a table into a uniform pdf.
 //!
 //! Source: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition
 //! and Rendering", supplemental material on bilinear warps.
@@ -85,14 +85,14 @@ impl InterpolatedWarp {
         Ok(Self { shape, values, cumulative: None })
     }
 
-    /// A table that is also a density: not negative, and positive somewhere in every slice. Each
+    /// A table that is also a pdf: not negative, and positive somewhere in every slice. Each
     /// slice is scaled to integrate to 1.
     ///
     /// # Errors
     ///
     /// As [`InterpolatedWarp::lookup`], and [`ModelError::TableValue`] for a negative value or an
     /// empty slice.
-    pub fn density(
+    pub fn pdf(
         table: &'static str,
         shape: WarpShape,
         values: Vec<f32>,
@@ -103,7 +103,7 @@ impl InterpolatedWarp {
                 table,
                 index,
                 value: value.into(),
-                expected: "a density, which is not negative",
+                expected: "a pdf, which is not negative",
             });
         }
         let (width, height) = (warp.shape.width, warp.shape.height);
@@ -138,10 +138,10 @@ impl InterpolatedWarp {
         patch.bilinear(&slices.corners(&self.values, &self.shape, &patch))
     }
 
-    /// The point of the unit square that the density at (phi, theta) spreads evenly to `point`'s
+    /// The point of the unit square that the pdf at (phi, theta) spreads evenly to `point`'s
     /// place, that is, its cumulative distribution: first along the row, then over rows.
     ///
-    /// A table that is no density maps every point to itself.
+    /// A table that is no pdf maps every point to itself.
     pub fn invert(&self, point: DVec2, phi: f64, theta: f64) -> DVec2 {
         let Some(cumulative) = &self.cumulative else { return point };
         let shape = &self.shape;
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn an_even_density_moves_nothing() {
-        let warp = InterpolatedWarp::density("even", shape(), vec![3.0; 24]).unwrap();
+        let warp = InterpolatedWarp::pdf("even", shape(), vec![3.0; 24]).unwrap();
         let point = DVec2::new(0.3, 0.85);
         assert!(warp.invert(point, 0.0, 0.4).distance(point) < 1e-6);
     }
@@ -286,14 +286,14 @@ mod tests {
     #[test]
     fn the_derivative_of_the_inverse_is_the_density() {
         let values: Vec<f32> = (0..24_u8).map(|i| 1.0 + f32::from(i * 7 % 11)).collect();
-        let warp = InterpolatedWarp::density("test", shape(), values).unwrap();
+        let warp = InterpolatedWarp::pdf("test", shape(), values).unwrap();
         let (point, step) = (DVec2::new(0.37, 0.61), 1e-5);
         let at = |dx: f64, dy: f64| warp.invert(point + DVec2::new(dx, dy), 0.0, 0.3);
         let dx = (at(step, 0.0) - at(-step, 0.0)) / (2.0 * step);
         let dy = (at(0.0, step) - at(0.0, -step)) / (2.0 * step);
         // Values are per patch; there are 3 × 2 of them on the unit square.
-        let density = warp.eval(point, 0.0, 0.3) * 6.0;
-        assert!((dx.perp_dot(dy) - density).abs() < 1e-4 * density, "{density}");
+        let pdf = warp.eval(point, 0.0, 0.3) * 6.0;
+        assert!((dx.perp_dot(dy) - pdf).abs() < 1e-4 * pdf, "{pdf}");
     }
 
     #[test]
@@ -302,7 +302,7 @@ mod tests {
         assert!(matches!(nan, Err(ModelError::TableValue { index: 0, .. })), "{nan:?}");
         let short = InterpolatedWarp::lookup("t", shape(), vec![1.0; 23]);
         assert!(matches!(short, Err(ModelError::TableSize { expected: 24, .. })), "{short:?}");
-        let dark = InterpolatedWarp::density("t", shape(), vec![0.0; 24]);
+        let dark = InterpolatedWarp::pdf("t", shape(), vec![0.0; 24]);
         assert!(matches!(dark, Err(ModelError::TableValue { .. })), "{dark:?}");
     }
 }

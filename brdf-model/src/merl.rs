@@ -102,7 +102,7 @@ impl MerlTable {
         for (index, cell) in cells.iter_mut().enumerate() {
             let pair = Self::cell_pair(index);
             let swapped = pair.swapped();
-            *cell = if brdf.covers(&pair) && brdf.covers(&swapped) {
+            *cell = if brdf.has_data(&pair) && brdf.has_data(&swapped) {
                 let mean = (brdf.eval(&pair) + brdf.eval(&swapped)) * 0.5;
                 #[expect(clippy::cast_possible_truncation, reason = "the table stores f32")]
                 mean.channels().map(|v| v as f32)
@@ -194,7 +194,7 @@ impl Brdf for MerlTable {
         self.lookup(pair).unwrap_or(Rgb::BLACK)
     }
 
-    fn covers(&self, pair: &DirectionPair) -> bool {
+    fn has_data(&self, pair: &DirectionPair) -> bool {
         self.lookup(pair).is_some()
     }
 
@@ -362,7 +362,7 @@ mod tests {
         let table = MerlTable::new(cells.into_iter(), MerlLookup::Nearest).unwrap();
         let pair = MerlTable::cell_pair(0);
         assert_eq!(table.invalid_cells(), 1);
-        assert!(!table.covers(&pair));
+        assert!(!table.has_data(&pair));
         assert_eq!(table.eval(&pair), Rgb::BLACK);
         let trilinear = table.with_lookup(MerlLookup::Trilinear(MerlNodes::Edge));
         let shifted = HalfDifference { theta_h: 0.001, phi_h: 0.0, theta_d: 0.012, phi_d: 0.004 };

@@ -1,6 +1,6 @@
 //! Trilinear lookups in the MERL grid for many pairs at once, in f32.
 //!
-//! Three loops a tile: places in the grid (arithmetic over arrays, which the compiler vectorises),
+//! Three loops a tile: places in the grid (arithmetic over arrays, which the compiler vectorizes),
 //! a touch of every cell that will be needed (the table is far larger than the caches, and with
 //! nothing in between the misses overlap), and the interpolation.
 

@@ -68,7 +68,7 @@ pub fn log_offsets(samples: &SampleSet) -> Vec<f64> {
 pub fn measure(samples: &SampleSet, model: &dyn Brdf, offsets: &[f64]) -> FitErrors {
     let mut sums = vec![FitErrors::default(); offsets.len()];
     for (index, pair) in samples.pairs().enumerate() {
-        let predicted = model.eval_signed(&pair);
+        let predicted = model.eval_unclamped(&pair);
         let channels = match offsets.len() {
             1 => [predicted.luminance(), 0.0, 0.0],
             _ => predicted.channels(),
@@ -147,7 +147,7 @@ pub fn cosine_rms(
     let mut without_data = 0;
     let limit = 80_f64.to_radians().cos();
     for pair in cosine_rms_pairs(seed) {
-        if !reference.covers(&pair) || !model.covers(&pair) {
+        if !reference.has_data(&pair) || !model.has_data(&pair) {
             without_data += 1;
             continue;
         }

@@ -58,7 +58,7 @@ impl RglBrdf {
     ///
     /// # Errors
     ///
-    /// As [`InterpolatedWarp::lookup`] and [`InterpolatedWarp::density`] say of each table.
+    /// As [`InterpolatedWarp::lookup`] and [`InterpolatedWarp::pdf`] say of each table.
     pub fn new(tables: RglTables) -> Result<Self, ModelError> {
         let RglTables { phi_i, theta_i, ndf, sigma, vndf, rgb } = tables;
         let azimuthal = match phi_i[..] {
@@ -89,7 +89,7 @@ impl RglBrdf {
         Ok(Self {
             ndf: InterpolatedWarp::lookup("ndf", plain(ndf.1), ndf.0)?,
             sigma: InterpolatedWarp::lookup("sigma", plain(sigma.1), sigma.0)?,
-            vndf: InterpolatedWarp::density("vndf", by_incidence(vndf.1), vndf.0)?,
+            vndf: InterpolatedWarp::pdf("vndf", by_incidence(vndf.1), vndf.0)?,
             rgb: [channel(0)?, channel(1)?, channel(2)?],
             azimuthal,
         })
@@ -116,10 +116,10 @@ impl RglBrdf {
 impl Brdf for RglBrdf {
     fn eval(&self, pair: &DirectionPair) -> Rgb {
         // Out-of-gamut colours have negative channels; the database's own evaluator clips them.
-        self.eval_signed(pair).map(|v| v.max(0.0))
+        self.eval_unclamped(pair).map(|v| v.max(0.0))
     }
 
-    fn eval_signed(&self, pair: &DirectionPair) -> Rgb {
+    fn eval_unclamped(&self, pair: &DirectionPair) -> Rgb {
         if !is_lit(pair) {
             return Rgb::BLACK;
         }

@@ -85,8 +85,8 @@ impl SampleSet {
     pub fn draw(brdf: &dyn Brdf, sampling: &PairSampling, channels: Channels) -> Self {
         let mut set = Self::new(channels);
         for pair in sampling.pairs() {
-            if brdf.covers(&pair) {
-                set.push_clamped(&pair, brdf.eval_signed(&pair));
+            if brdf.has_data(&pair) {
+                set.push_clamped(&pair, brdf.eval_unclamped(&pair));
             } else {
                 set.dropped.no_data += 1;
             }
@@ -178,7 +178,7 @@ impl SampleSet {
             self.values.iter().filter(|channel| channel.iter().any(|&v| v > 0.0)).collect();
         let keep: Vec<usize> =
             (0..self.len()).filter(|&i| lit.iter().all(|channel| channel[i] > 0.0)).collect();
-        let mut kept = self.subset(&keep);
+        let mut kept = self.select(&keep);
         kept.dropped = self.dropped;
         kept.clamped = self.clamped;
         kept.dropped.zero += self.len() - keep.len();
@@ -220,16 +220,16 @@ impl SampleSet {
     }
 
     /// The samples that a model has data for; the others are counted.
-    pub fn covered_by(&self, model: &dyn Brdf) -> Self {
-        let keep: Vec<usize> = (0..self.len()).filter(|&i| model.covers(&self.pair(i))).collect();
-        let mut kept = Self { dropped: self.dropped, clamped: self.clamped, ..self.subset(&keep) };
+    pub fn with_data_in(&self, model: &dyn Brdf) -> Self {
+        let keep: Vec<usize> = (0..self.len()).filter(|&i| model.has_data(&self.pair(i))).collect();
+        let mut kept = Self { dropped: self.dropped, clamped: self.clamped, ..self.select(&keep) };
         kept.dropped.no_data += self.len() - keep.len();
         kept
     }
 
     /// At most `count` of the samples, evenly spread over their order; what was dropped before
     /// stays counted.
-    pub fn thinned(&self, count: usize) -> Self {
+    pub fn subset(&self, count: usize) -> Self {
         let count = count.min(self.len());
         let keep: Vec<usize> = (0..count).map(|i| i * self.len() / count.max(1)).collect();
         self.rearranged(&keep)
@@ -248,7 +248,7 @@ impl SampleSet {
     /// # Panics
     ///
     /// If an index is out of range.
-    pub fn subset(&self, indices: &[usize]) -> Self {
+    pub fn select(&self, indices: &[usize]) -> Self {
         Self {
             wi: indices.iter().map(|&i| self.wi[i]).collect(),
             wo: indices.iter().map(|&i| self.wo[i]).collect(),
@@ -269,7 +269,7 @@ impl SampleSet {
     /// If an index is out of range.
     #[must_use]
     pub fn rearranged(&self, order: &[usize]) -> Self {
-        Self { dropped: self.dropped, clamped: self.clamped, ..self.subset(order) }
+        Self { dropped: self.dropped, clamped: self.clamped, ..self.select(order) }
     }
 
     /// The same samples as luminance; a set of one channel stays as it is.
@@ -303,7 +303,7 @@ impl SampleSet {
         let limit = (theta_max + 1e-6).cos();
         let keep: Vec<usize> =
             (0..self.len()).filter(|&i| self.wi[i].z >= limit && self.wo[i].z >= limit).collect();
-        let mut kept = self.subset(&keep);
+        let mut kept = self.select(&keep);
         kept.dropped = self.dropped;
         kept.clamped = self.clamped;
         kept.dropped.beyond_grazing_limit += self.len() - keep.len();

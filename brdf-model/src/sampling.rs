@@ -116,7 +116,7 @@ fn owen(value: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// The finaliser of SplitMix64.
+/// The finalizer of SplitMix64.
 fn hash_u64(seed: u64) -> u64 {
     let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -161,7 +161,7 @@ pub fn uniform_hemisphere(u: f64, v: f64) -> DVec3 {
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, u)
 }
 
-/// A direction with density cosθ/π, from a point of the unit square; returns the density too.
+/// A direction with pdf cosθ/π, from a point of the unit square; returns the pdf too.
 pub fn cosine_hemisphere(u: f64, v: f64) -> (DVec3, f64) {
     let disc = u.sqrt() * DVec2::from_angle(TAU * v);
     let direction = disc.extend((1.0 - u).max(0.0).sqrt());

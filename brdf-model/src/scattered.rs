@@ -74,7 +74,7 @@ impl Brdf for ScatteredBrdf {
         self.interpolate(pair).unwrap_or(Rgb::BLACK)
     }
 
-    fn covers(&self, pair: &DirectionPair) -> bool {
+    fn has_data(&self, pair: &DirectionPair) -> bool {
         self.interpolate(pair).is_some()
     }
 }

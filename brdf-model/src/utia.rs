@@ -69,10 +69,10 @@ impl UtiaTable {
 
 impl Brdf for UtiaTable {
     fn eval(&self, pair: &DirectionPair) -> Rgb {
-        self.eval_signed(pair).map(|v| v.max(0.0))
+        self.eval_unclamped(pair).map(|v| v.max(0.0))
     }
 
-    fn eval_signed(&self, pair: &DirectionPair) -> Rgb {
+    fn eval_unclamped(&self, pair: &DirectionPair) -> Rgb {
         if !is_lit(pair) {
             return Rgb::BLACK;
         }
@@ -87,7 +87,7 @@ impl Brdf for UtiaTable {
         sum
     }
 
-    fn covers(&self, pair: &DirectionPair) -> bool {
+    fn has_data(&self, pair: &DirectionPair) -> bool {
         let limit = (75_f64 + 1e-9).to_radians().cos();
         is_lit(pair) && pair.wi.z.min(pair.wo.z) >= limit
     }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use brdf_factor::{ChannelMap, Columns, NormalEquations};
+use brdf_factor::{ChannelTransform, Columns, NormalEquations};
 use faer::MatMut;
 use rayon::prelude::*;
 
@@ -77,7 +77,7 @@ struct Turns<'a> {
 
 impl<'a> Turns<'a> {
     fn new(layout: &'a Layout, samples: &'a PaintSamples, params: &'a PaintParams) -> Self {
-        let (thin, columns) = layout.thinned(THIN);
+        let (thin, columns) = layout.subset(THIN);
         let places = thin.origin().to_vec();
         Self { layout, samples, params, known: layout.touched(params.map_size), columns, places }
     }
@@ -223,7 +223,7 @@ impl<'a> Turns<'a> {
 /// A channel of all products on the samples that they are refined on.
 struct Channel<'a> {
     columns: &'a [Arc<Columns>],
-    map: ChannelMap,
+    map: ChannelTransform,
     /// Of each product, what the maps give the samples.
     shares: &'a [Vec<f64>],
     wanted: Vec<f64>,

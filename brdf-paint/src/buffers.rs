@@ -4,7 +4,7 @@ use brdf_render::Mesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::View;
+use crate::PaintView;
 
 /// The surface in the middle of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub struct ViewBuffers {
 impl ViewBuffers {
     /// Casts a ray through the middle of each pixel, and one to the light where the view has shadows.
     #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
-    pub fn of(mesh: &Mesh, view: &View, width: usize, height: usize) -> Self {
+    pub fn of(mesh: &Mesh, view: &PaintView, width: usize, height: usize) -> Self {
         let pixels = (0..height)
             .into_par_iter()
             .flat_map_iter(|row| {

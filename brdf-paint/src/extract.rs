@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use brdf_factor::{
-    ChannelMap, Columns, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem,
+    ChannelTransform, Columns, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem,
 };
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -46,19 +46,19 @@ pub enum SolverChoice {
 /// Which logarithm products are fitted through.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PaintLogMap {
+pub enum PaintLogTransform {
     /// log(a + f), a a share of the mean value: the more, the less dark samples weigh (Eq. 12).
     Offset(f64),
     /// log(a − f), a a little above the brightest value of each channel: favours highlights (Eq. 13).
     Highlight,
 }
 
-impl PaintLogMap {
+impl PaintLogTransform {
     /// The maps of the three channels.
-    fn of(self, values: &[[f32; 3]]) -> [ChannelMap; 3] {
+    fn of(self, values: &[[f32; 3]]) -> [ChannelTransform; 3] {
         match self {
-            Self::Offset(share) => [ChannelMap::Offset { a: share * mean(values) }; 3],
-            Self::Highlight => brightest(values).map(ChannelMap::highlight),
+            Self::Offset(share) => [ChannelTransform::Offset { a: share * mean(values) }; 3],
+            Self::Highlight => brightest(values).map(ChannelTransform::highlight),
         }
     }
 }
@@ -81,7 +81,7 @@ pub struct PaintParams {
     /// μ ≥ 0, as of [`FactorParams::smoothing`].
     pub smoothing: f64,
     /// What products are fitted through.
-    pub log_map: PaintLogMap,
+    pub log_map: PaintLogTransform,
     /// Whether u = 0 and u = 1 are one place of the surface.
     pub wraps: bool,
 }
@@ -96,7 +96,7 @@ impl Default for PaintParams {
             surface_size: 32,
             map_size: 256,
             smoothing: 1e-4,
-            log_map: PaintLogMap::Offset(0.05),
+            log_map: PaintLogTransform::Offset(0.05),
             wraps: false,
         }
     }
@@ -125,7 +125,7 @@ impl PaintParams {
             #[expect(clippy::cast_precision_loss, reason = "for a message")]
             return Err(PaintError::Option { option, value: self.map_size as f64, expected });
         }
-        if let PaintLogMap::Offset(value) = self.log_map
+        if let PaintLogTransform::Offset(value) = self.log_map
             && !(value > 0.0 && value.is_finite())
         {
             let (option, expected) = ("the offset", "a share of the mean above 0, such as 0.05");
@@ -214,7 +214,7 @@ pub(crate) struct Part {
 pub(crate) struct Layout {
     pub(crate) problem: Problem,
     pub(crate) inverted: Preinverted,
-    pub(crate) maps: [ChannelMap; 3],
+    pub(crate) maps: [ChannelTransform; 3],
     /// Of each sample.
     pub(crate) taps: Vec<MapTaps>,
     places: Vec<DVec2>,
@@ -237,8 +237,8 @@ impl Layout {
     }
 
     /// The problem of the first samples, and their columns.
-    pub(crate) fn thinned(&self, count: usize) -> (Problem, Vec<Arc<Columns>>) {
-        let problem = self.problem.thinned(count);
+    pub(crate) fn subset(&self, count: usize) -> (Problem, Vec<Arc<Columns>>) {
+        let problem = self.problem.subset(count);
         let columns = self.inverted.columns_of(&problem, &self.places);
         (problem, columns)
     }

@@ -6,7 +6,7 @@
 //!
 //! Source: Jaroszkiewicz and McCool 2003, sections 4 and 5.
 //!
-//! [`View`]s say where camera and light stand, [`ViewBuffers`] what each pixel shows, [`PaintSamples`]
+//! [`PaintView`]s say where camera and light stand, [`ViewBuffers`] what each pixel shows, [`PaintSamples`]
 //! what was painted there, and [`extract`] makes a [`PaintedMaterial`].
 
 mod alternating;
@@ -27,8 +27,8 @@ pub use buffers::{PixelSurface, ViewBuffers};
 pub use coefficient_map::CoefficientMap;
 pub use contradictions::Contradictions;
 pub use error::PaintError;
-pub use extract::{Extraction, Mode, PaintLogMap, PaintParams, SolverChoice, extract};
+pub use extract::{Extraction, Mode, PaintLogTransform, PaintParams, SolverChoice, extract};
 pub use material::{Clamped, Component, PaintedMaterial};
 pub use samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
-pub use truth::BlendedTruth;
-pub use view::{LightSource, View, face_views, spiral_views, vertex_views};
+pub use truth::GroundTruth;
+pub use view::{LightSource, PaintView, face_views, spiral_views, vertex_views};

@@ -45,7 +45,7 @@ impl PaintedMaterial {
     /// and cut to it.
     pub fn clamped(&self, samples: &PaintSamples) -> Clamped {
         let each = samples.pairs.par_iter().zip(&samples.places).map(|(pair, place)| {
-            let products = self.components.iter().map(|c| c.product.eval_signed(pair, *place));
+            let products = self.components.iter().map(|c| c.product.eval_unclamped(pair, *place));
             let is_negative =
                 products.into_iter().any(|value| value.channels().iter().any(|v| *v < 0.0));
             let sum = self.sum(pair, *place).channels();

@@ -206,7 +206,7 @@ impl PaintSamples {
 
     /// About `count` of the samples, evenly from all; fewer if there are fewer.
     #[must_use]
-    pub fn thinned(&self, count: usize) -> Self {
+    pub fn subset(&self, count: usize) -> Self {
         let count = count.min(self.len());
         self.chosen((0..count).map(|at| at * self.len() / count))
     }

@@ -13,16 +13,16 @@ use crate::{PaintedImage, ViewBuffers};
 /// Three BRDFs blended over a surface: a wavy border between the first two, sharp on one half of the
 /// surface and soft on the other, and round spots of the third.
 #[derive(Clone, Copy)]
-pub struct BlendedTruth<'a> {
+pub struct GroundTruth<'a> {
     /// What is blended.
     pub brdfs: [&'a dyn Brdf; 3],
     /// Values f π are multiplied by this, and clipped at 1.
     pub scale: f64,
 }
 
-impl std::fmt::Debug for BlendedTruth<'_> {
+impl std::fmt::Debug for GroundTruth<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("BlendedTruth").field("scale", &self.scale).finish_non_exhaustive()
+        f.debug_struct("GroundTruth").field("scale", &self.scale).finish_non_exhaustive()
     }
 }
 
@@ -31,7 +31,7 @@ fn smooth_step(x: f64, width: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-impl BlendedTruth<'_> {
+impl GroundTruth<'_> {
     /// Shares of the three at a place; periodic in u.
     pub fn shares(place: DVec2) -> [f64; 3] {
         let border = 0.5 + 0.12 * (3.0 * TAU * place.x).sin();
@@ -90,7 +90,7 @@ impl BlendedTruth<'_> {
     }
 }
 
-impl SpatiallyVarying for BlendedTruth<'_> {
+impl SpatiallyVarying for GroundTruth<'_> {
     fn reflect(&self, at: &TexturePoint, wo: DVec3, lights: &[DVec3], out: &mut [Rgb]) {
         for (value, wi) in out.iter_mut().zip(lights) {
             let pair = DirectionPair::new(*wi, wo);

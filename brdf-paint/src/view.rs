@@ -7,7 +7,7 @@ use crate::PaintError;
 
 /// A camera, its light, and what its picture shows of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct View {
+pub struct PaintView {
     /// Names its files.
     pub name: String,
     /// Where it is seen from.
@@ -33,7 +33,7 @@ pub enum LightSource {
 /// How far lights are turned from their cameras about the vertical, degrees.
 const LIGHT_TURN: f64 = 30.0;
 
-impl View {
+impl PaintView {
     /// A view of all of a mesh from a unit direction, lit without shadows from there but turned about the vertical.
     pub fn of(mesh: &Mesh, name: String, from: DVec3, turn_deg: f64) -> Self {
         let light = DMat3::from_rotation_y(turn_deg.to_radians()) * from;
@@ -90,12 +90,12 @@ fn icosahedron() -> [DVec3; 12] {
 
 /// The twelve views of a mesh from the corners of an icosahedron, each lit by a light 30° about the
 /// vertical from its camera.
-pub fn vertex_views(mesh: &Mesh) -> Vec<View> {
+pub fn vertex_views(mesh: &Mesh) -> Vec<PaintView> {
     named(mesh, icosahedron())
 }
 
 /// Any number of views of a mesh from directions that lie evenly on a spiral, lit as [`vertex_views`] are.
-pub fn spiral_views(mesh: &Mesh, count: usize) -> Vec<View> {
+pub fn spiral_views(mesh: &Mesh, count: usize) -> Vec<PaintView> {
     // Each step turns by the golden angle and goes down by the same height.
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     #[expect(clippy::cast_precision_loss, reason = "few views")]
@@ -108,14 +108,16 @@ pub fn spiral_views(mesh: &Mesh, count: usize) -> Vec<View> {
     named(mesh, (0..count).map(direction))
 }
 
-fn named(mesh: &Mesh, from: impl IntoIterator<Item = DVec3>) -> Vec<View> {
+fn named(mesh: &Mesh, from: impl IntoIterator<Item = DVec3>) -> Vec<PaintView> {
     let numbered = from.into_iter().enumerate();
-    numbered.map(|(at, from)| View::of(mesh, format!("view{at:02}"), from, LIGHT_TURN)).collect()
+    numbered
+        .map(|(at, from)| PaintView::of(mesh, format!("view{at:02}"), from, LIGHT_TURN))
+        .collect()
 }
 
 /// Twelve of the views from the centres of the icosahedron's faces, under three lights each: what a
 /// material is judged by that was made from the other views.
-pub fn face_views(mesh: &Mesh) -> Vec<View> {
+pub fn face_views(mesh: &Mesh) -> Vec<PaintView> {
     let corners = icosahedron();
     let nearest = corners[0].distance(corners[1]).min(corners[0].distance(corners[8])) * 1.01;
     let mut centres = Vec::new();
@@ -135,7 +137,7 @@ pub fn face_views(mesh: &Mesh) -> Vec<View> {
     chosen
         .enumerate()
         .flat_map(|(at, from)| {
-            lights.map(|turn| View::of(mesh, format!("held{at:02}{turn:+}"), from, turn))
+            lights.map(|turn| PaintView::of(mesh, format!("held{at:02}{turn:+}"), from, turn))
         })
         .collect()
 }

@@ -4,9 +4,9 @@
 
 use brdf_model::{Analytic, Brdf, Preset, Rgb};
 use brdf_paint::{
-    BlendedTruth, Contradictions, Extraction, LightSource, Mode, PaintError, PaintLogMap,
-    PaintParams, PaintSamples, PaintedImage, SolverChoice, View, ViewBuffers, extract, face_views,
-    vertex_views,
+    Contradictions, Extraction, GroundTruth, LightSource, Mode, PaintError, PaintLogTransform,
+    PaintParams, PaintSamples, PaintView, PaintedImage, SolverChoice, ViewBuffers, extract,
+    face_views, vertex_views,
 };
 use brdf_param::DirectionPair;
 use brdf_render::{Mesh, Soup};
@@ -21,11 +21,11 @@ fn presets() -> [Analytic; 3] {
     ["lafortune-blue-paint", "red-plastic", "ggx"].map(|name| Preset::find(name).unwrap().brdf())
 }
 
-fn buffers(mesh: &Mesh, views: &[View]) -> Vec<ViewBuffers> {
+fn buffers(mesh: &Mesh, views: &[PaintView]) -> Vec<ViewBuffers> {
     views.iter().map(|view| ViewBuffers::of(mesh, view, SIZE, SIZE)).collect()
 }
 
-fn samples(truth: &BlendedTruth<'_>, views: &[ViewBuffers]) -> PaintSamples {
+fn samples(truth: &GroundTruth<'_>, views: &[ViewBuffers]) -> PaintSamples {
     let mut samples = PaintSamples::new();
     for (view, buffers) in views.iter().enumerate() {
         samples.add(view, "view", buffers, &truth.paint(buffers), 0.1).unwrap();
@@ -54,7 +54,7 @@ fn made(samples: &PaintSamples, params: &PaintParams) -> Extraction {
 fn turns_find_three_blended_materials_where_the_published_way_does_not() {
     let (mesh, brdfs) = (torus(), presets());
     let painted = buffers(&mesh, &vertex_views(&mesh));
-    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 1.0 };
+    let truth = GroundTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 1.0 };
     let truth = truth.scaled_for(&painted);
     let training = samples(&truth, &painted);
     let held_out = samples(&truth, &buffers(&mesh, &face_views(&mesh)));
@@ -85,12 +85,14 @@ impl Brdf for Product {
 fn a_single_product_is_found_by_every_mode() {
     let mesh = torus();
     let painted = buffers(&mesh, &vertex_views(&mesh));
-    let truth = BlendedTruth { brdfs: [&Product, &Product, &Product], scale: 1.0 };
+    let truth = GroundTruth { brdfs: [&Product, &Product, &Product], scale: 1.0 };
     let training = samples(&truth, &painted);
     let mean = training.values.iter().map(|v| f64::from(v[1])).sum::<f64>() / training.len() as f64;
     for mode in [Mode::Brdf, Mode::FourFactor] {
-        let params =
-            PaintParams { log_map: PaintLogMap::Offset(1e-3), ..params(mode, SolverChoice::Paper) };
+        let params = PaintParams {
+            log_map: PaintLogTransform::Offset(1e-3),
+            ..params(mode, SolverChoice::Paper)
+        };
         let made = made(&training, &params);
         assert!(made.errors.rms < 0.01 * mean, "{mode:?}: {:?} of {mean}", made.errors);
         assert_eq!(made.material.components.len(), 1);
@@ -105,7 +107,7 @@ fn a_single_product_is_found_by_every_mode() {
 fn threads_change_nothing() {
     let (mesh, brdfs) = (torus(), presets());
     let painted = buffers(&mesh, &vertex_views(&mesh)[..4]);
-    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.5 };
+    let truth = GroundTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.5 };
     let training = samples(&truth, &painted);
     let params = params(Mode::MaterialMap, SolverChoice::Alternating);
     let [one, two] = [1, 2].map(|threads| {
@@ -177,7 +179,7 @@ fn views_that_contradict_each_other_are_found_where_they_do() {
 #[test]
 fn photographs_with_shadows_and_a_near_light_give_the_same_reflectance() {
     let (mesh, brdfs) = (torus(), presets());
-    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.5 };
+    let truth = GroundTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.5 };
     let mut view = vertex_views(&mesh).remove(3);
     let LightSource::Direction(towards) = view.light else { unreachable!("built-in views") };
     view.light = LightSource::Position(mesh.centre() + 2.0 * mesh.radius() * towards);
@@ -206,7 +208,7 @@ fn photographs_with_shadows_and_a_near_light_give_the_same_reflectance() {
 fn the_highlight_map_favours_highlights() {
     let (mesh, brdfs) = (torus(), presets());
     let painted = buffers(&mesh, &vertex_views(&mesh)[..4]);
-    let truth = BlendedTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.3 };
+    let truth = GroundTruth { brdfs: [&brdfs[0], &brdfs[1], &brdfs[2]], scale: 0.3 };
     let training = samples(&truth, &painted);
     let errors = |log_map| {
         let params = PaintParams { log_map, ..params(Mode::Brdf, SolverChoice::Paper) };
@@ -220,10 +222,11 @@ fn the_highlight_map_favours_highlights() {
         let all = 0..training.len();
         (rms(&mut all.clone().filter(bright)), rms(&mut all.filter(|at| !bright(at))))
     };
-    let (offset, highlight) = (errors(PaintLogMap::Offset(0.05)), errors(PaintLogMap::Highlight));
+    let (offset, highlight) =
+        (errors(PaintLogTransform::Offset(0.05)), errors(PaintLogTransform::Highlight));
     assert!(highlight.0 < offset.0, "bright pixels: {highlight:?} and {offset:?}");
     let params = PaintParams {
-        log_map: PaintLogMap::Highlight,
+        log_map: PaintLogTransform::Highlight,
         ..params(Mode::MaterialMap, SolverChoice::Alternating)
     };
     let turns = made(&training, &params);
@@ -235,9 +238,9 @@ fn thinning_takes_from_everywhere() {
     let mesh = torus();
     let views = buffers(&mesh, &vertex_views(&mesh)[..3]);
     let brdf = presets();
-    let truth = BlendedTruth { brdfs: [&brdf[0], &brdf[1], &brdf[2]], scale: 0.5 };
+    let truth = GroundTruth { brdfs: [&brdf[0], &brdf[1], &brdf[2]], scale: 0.5 };
     let all = samples(&truth, &views);
-    let thin = all.thinned(all.len() * 6 / 10);
+    let thin = all.subset(all.len() * 6 / 10);
     assert_eq!(thin.len(), all.len() * 6 / 10);
     for view in 0..3 {
         let count = |samples: &PaintSamples| samples.origins.iter().filter(|o| o.0 == view).count();

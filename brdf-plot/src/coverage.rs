@@ -36,12 +36,12 @@ pub fn plot_coverage(
     } else {
         for (first, second, azimuth) in probes() {
             let plain = DirectionPair::from_angles(first, 0.0, second, azimuth);
-            counts[0].add([first, second], brdf.covers(&plain));
+            counts[0].add([first, second], brdf.has_data(&plain));
             let angles =
                 HalfDifference { theta_h: first, phi_h: 0.0, theta_d: second, phi_d: azimuth };
             let pair = angles.to_pair();
             if pair.wi.z > 0.0 && pair.wo.z > 0.0 {
-                counts[1].add([first, second], brdf.covers(&pair));
+                counts[1].add([first, second], brdf.has_data(&pair));
             }
         }
     }

@@ -69,7 +69,7 @@ fn surface(brdf: &dyn Brdf, theta_i: f64) -> Vec<Patch> {
         let theta = (FRAC_PI_2 - 1e-4) * f64::from(polar) / f64::from(POLAR);
         let phi = TAU * f64::from(around) / f64::from(AROUND);
         let pair = DirectionPair::from_angles(theta_i, PI, theta, phi);
-        brdf.covers(&pair)
+        brdf.has_data(&pair)
             .then(|| brdf.eval(&pair).luminance().cbrt() * spherical_direction(theta, phi))
     };
     let patches = (0..POLAR).flat_map(|polar| (0..AROUND).map(move |around| (polar, around)));

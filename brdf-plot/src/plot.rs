@@ -78,7 +78,7 @@ impl Plot {
         let mut encoder = png::Encoder::new(&mut bytes, picture.width(), picture.height());
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
-        // The mark by which our pictures are recognised.
+        // The mark by which our pictures are recognized.
         encoder
             .add_text_chunk("Software".to_owned(), "brdf".to_owned())
             .and_then(|()| encoder.write_header())
@@ -117,7 +117,7 @@ pub(crate) fn on_sheet(
         draw(&sheet, &mut bitmaps)?;
         sheet.present().map_err(|e| drawing(&e))?;
     }
-    // The comment is the mark by which our plots are recognised.
+    // The comment is the mark by which our plots are recognized.
     let mut under =
         String::from("\n<!-- brdf plot -->\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>");
     for bitmap in &bitmaps {

@@ -101,7 +101,7 @@ fn lobe(brdf: &dyn Brdf, theta_i: f64) -> Vec<Option<(f64, f64)>> {
             let theta = PI * (f64::from(step) / f64::from(STEPS) - 0.5);
             // The light stands at azimuth π, negative angles with it.
             let pair = DirectionPair::from_angles(theta_i, PI, theta, 0.0);
-            brdf.covers(&pair).then(|| (theta, brdf.eval(&pair).luminance().cbrt()))
+            brdf.has_data(&pair).then(|| (theta, brdf.eval(&pair).luminance().cbrt()))
         })
         .collect()
 }

@@ -11,8 +11,9 @@ use std::hint::black_box;
 
 use brdf_model::Preset;
 use brdf_relight::{
-    BrdfMaps, Codec, LightMaps, LightRule, LightSampler, MapParams, Occluder, Part, Precomputation,
-    PrecomputeParams, Quality, RelitScene, Shot, Surface, factor_for_relighting, picture,
+    BrdfMaps, Codec, CubeLightSampler, LightMaps, LightRule, MapParams, Occluder, Part,
+    Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface,
+    factor_for_relighting, render,
 };
 use brdf_render::{Camera, Environment, Mesh, Soup};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -35,7 +36,7 @@ fn work(mesh: &Mesh, codec: Codec) -> Precomputation {
 fn relight(c: &mut Criterion) {
     let (mesh, _) = Mesh::new(Soup::torus()).unwrap();
     let occluder = Occluder::of(&mesh);
-    let sampler = LightSampler::default();
+    let sampler = CubeLightSampler::default();
     let environment = Environment::sky().unwrap();
     let lit = sampler.light(&environment, 0.0).coefficients(LightRule::Energy);
     c.bench_function("new light, its coefficients", |bencher| {
@@ -43,7 +44,7 @@ fn relight(c: &mut Criterion) {
             .iter(|| sampler.light(black_box(&environment), 0.3).coefficients(LightRule::Energy));
     });
     let camera = Camera::around(DVec3::ZERO, mesh.radius(), DVec3::new(0.0, 0.6, 0.8));
-    let shot = Shot { camera, size: 512, points: 1 };
+    let shot = RenderParams { camera, size: 512, points: 1 };
     for (name, codec) in CODECS {
         let plan = work(&mesh, codec);
         c.bench_function(&format!("a chunk, {name}"), |bencher| {
@@ -54,8 +55,8 @@ fn relight(c: &mut Criterion) {
         c.bench_function(&format!("new light, product with {name}"), |bencher| {
             bencher.iter(|| relit.relight(black_box(&parts), &lit));
         });
-        c.bench_function(&format!("picture, {name}"), |bencher| {
-            bencher.iter(|| picture(black_box(&parts), &relit, &shot));
+        c.bench_function(&format!("render, {name}"), |bencher| {
+            bencher.iter(|| render(black_box(&parts), &relit, &shot));
         });
     }
 }

@@ -5,13 +5,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::bundle::Occluder;
 use crate::exact::{brute_force, received, seen};
 use crate::frame::tangent_frame;
 use crate::light::{CubeLight, LightRule};
+use crate::ray_packet::Occluder;
 use crate::scene::{Part, RelitScene};
 use crate::surface::diagonal;
-use crate::transport::{Sky, Workspace};
+use crate::transport::{CubeDirections, TransportWorkspace};
 use crate::visibility::Quality;
 
 /// What is compared.
@@ -28,7 +28,7 @@ pub struct CompareParams {
 /// Errors relative to what they are taken from: root of the sum of squared differences over that of squares, all
 /// channels, vertices and views together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Split {
+pub struct ErrorBreakdown {
     /// Of everything together, from the exact BRDF under all light with sixteen rays a texel.
     pub total: f64,
     /// Of the number of terms alone.
@@ -92,11 +92,11 @@ pub fn compare(
     brdf: &dyn Brdf,
     light: &CubeLight,
     params: &CompareParams,
-) -> Split {
+) -> ErrorBreakdown {
     let (surface, maps) = (&part.surface, &part.maps);
-    let sites = surface.sites(diagonal(&surface.positions));
-    let count = params.vertices.clamp(1, sites.len());
-    let sky = Sky::default();
+    let shading_points = surface.shading_points(diagonal(&surface.positions));
+    let count = params.vertices.clamp(1, shading_points.len());
+    let sky = CubeDirections::default();
     let [all_light, stored] = [LightRule::All, params.rule].map(|rule| {
         let mut relit = RelitScene::default();
         relit.relight(std::slice::from_ref(part), &light.coefficients(rule));
@@ -105,22 +105,22 @@ pub fn compare(
     let colours: Vec<Vec<Colours>> = (0..count)
         .into_par_iter()
         .map_init(
-            || Workspace::new(maps.light.width()),
+            || TransportWorkspace::new(maps.light.width()),
             |workspace, at| {
-                let vertex = at * sites.len() / count;
-                let site = sites[vertex];
+                let vertex = at * shading_points.len() / count;
+                let site = shading_points[vertex];
                 let views: Vec<DVec3> =
                     VIEWS.into_iter().filter(|view| view.dot(site.normal) > LEAST_COSINE).collect();
                 let frame = tangent_frame(site.normal);
                 let locals: Vec<DVec3> = views.iter().map(|v| frame.transpose() * *v).collect();
-                let look = |workspace: &mut Workspace, quality| {
+                let look = |workspace: &mut TransportWorkspace, quality| {
                     workspace.visibility.look(occluder, site.position, site.normal, quality);
                     let shares = workspace.visibility.shares().to_vec();
                     brute_force(brdf, &sky, light, &frame.as_mat3(), &shares, &locals)
                 };
                 let exact = look(workspace, Quality::Sixteen);
                 let fewer_rays = look(workspace, params.quality);
-                let dense = |workspace: &mut Workspace, quality| {
+                let dense = |workspace: &mut TransportWorkspace, quality| {
                     let values = workspace.transport(&sky, occluder, &site, &maps.light, quality);
                     received(values, maps, &light.radiance)
                 };
@@ -159,5 +159,5 @@ pub fn compare(
         negative += usize::from(colours.stored.iter().any(|v| *v < 0.0));
     }
     let [total, rank, coefficients, light, visibility] = sums.map(|sums| sums.ratio());
-    Split { total, rank, coefficients, light, visibility, colours: count, negative }
+    ErrorBreakdown { total, rank, coefficients, light, visibility, colours: count, negative }
 }

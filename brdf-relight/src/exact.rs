@@ -6,16 +6,16 @@ use brdf_render::Mesh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::bundle::Occluder;
 use crate::coefficients::Coding;
 use crate::cube::TEXELS;
 use crate::frame::tangent_frame;
 use crate::light::CubeLight;
 use crate::maps::BrdfMaps;
+use crate::ray_packet::Occluder;
 use crate::scene::Part;
 use crate::store::{SparseTransport, Transport};
 use crate::surface::diagonal;
-use crate::transport::{Sky, SparseVectors, Workspace};
+use crate::transport::{CubeDirections, SparseVectors, TransportWorkspace};
 use crate::visibility::Quality;
 
 /// Cosines that vertices are seen at: those that look away are clamped here, where view maps end.
@@ -32,11 +32,11 @@ pub fn exact_part(
     eye: DVec3,
     done: &(dyn Fn() + Sync),
 ) -> (Part<'static>, Vec<[f32; 3]>) {
-    let sky = Sky::default();
+    let sky = CubeDirections::default();
     let maps = &part.maps;
-    let sites = part.surface.sites(diagonal(mesh.positions()));
-    let colours = sites.par_iter().map_init(
-        || Workspace::new(maps.light.width()),
+    let shading_points = part.surface.shading_points(diagonal(mesh.positions()));
+    let colours = shading_points.par_iter().map_init(
+        || TransportWorkspace::new(maps.light.width()),
         |workspace, site| {
             let frame = tangent_frame(site.normal);
             let mut wo = frame.transpose() * (eye - site.position).normalize_or(DVec3::Y);
@@ -70,7 +70,7 @@ pub fn exact_part(
 /// Radiance towards each view of the exact BRDF.
 pub(crate) fn brute_force(
     brdf: &dyn Brdf,
-    sky: &Sky,
+    sky: &CubeDirections,
     light: &CubeLight,
     frame: &glam::Mat3,
     shares: &[u8],

@@ -3,8 +3,8 @@
 use brdf_model::{Brdf, Channels};
 use brdf_param::{HemisphereMap, Parametrization};
 use brdf_separable::{
-    BrdfMatrix, Chart, Decomposition, EigenSolver, Layout, MatrixParams, SeparableFit,
-    SeparableParams, factorize,
+    BrdfMatrix, Decomposition, EigenSolver, HemisphereGrid, Layout, MatrixParams, SeparableFit,
+    SeparableParams, factorize_matrix,
 };
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +43,7 @@ pub fn factor_for_relighting(
     params: &MapParams,
 ) -> Result<SeparableFit, RelightError> {
     let map = HemisphereMap::OrthographicDisc;
-    let chart = Chart::Plane { map, resolution: params.resolution };
+    let chart = HemisphereGrid::Plane { map, resolution: params.resolution };
     let layout = Layout::new(Parametrization::Standard, chart, chart);
     let matrix_params = MatrixParams {
         channels: Channels::Rgb,
@@ -58,5 +58,5 @@ pub fn factor_for_relighting(
     let joint_rgb = params.light_maps == LightMaps::Joint;
     let settings =
         SeparableParams { decomposition, rank: params.rank, joint_rgb, ..Default::default() };
-    Ok(factorize(&matrix, &settings)?)
+    Ok(factorize_matrix(&matrix, &settings)?)
 }

@@ -7,9 +7,8 @@
 //! Source: Wang, Tran and Luebke 2004.
 //!
 //! [`factor_for_relighting`] makes [`BrdfMaps`] of a BRDF, [`Precomputation`] the [`Transport`] of a [`Surface`],
-//! a [`LightSampler`] the [`CubeLight`] of an environment, and [`picture`] a picture.
+//! a [`CubeLightSampler`] the [`CubeLight`] of an environment, and [`render`] a picture.
 
-mod bundle;
 mod clustered;
 mod coefficients;
 mod compare;
@@ -25,26 +24,27 @@ mod light;
 mod maps;
 mod precompute;
 mod raster;
+mod ray_packet;
 mod scene;
 mod store;
 mod surface;
 mod transport;
 mod visibility;
 
-pub use bundle::{Occluder, TILE, Tile};
 pub use clustered::ClusteredTransport;
 pub use coefficients::{Coding, Selection};
-pub use compare::{CompareParams, Split, compare};
+pub use compare::{CompareParams, ErrorBreakdown, compare};
 pub use error::RelightError;
 pub use exact::exact_part;
 pub use factor::{LightMaps, MapParams, factor_for_relighting};
 pub use frame::tangent_frame;
-pub use light::{CubeLight, LightRule, LightSampler, LitCoefficients};
+pub use light::{CubeLight, CubeLightSampler, LightRule, LitCoefficients};
 pub use maps::{BrdfMaps, MapStack};
 pub use precompute::{Chunk, Codec, Precomputation, PrecomputeParams};
-pub use raster::{Shot, picture};
+pub use raster::{RenderParams, render};
+pub use ray_packet::{Occluder, TILE, Tile};
 pub use scene::{Part, RelitScene};
-pub use store::{BLOCK, Codes, SparseTransport, Transport};
+pub use store::{Codes, SparseTransport, Transport, VERTEX_BLOCK};
 pub use surface::Surface;
-pub use transport::{Site, Sky, SparseVectors, Workspace};
+pub use transport::{CubeDirections, ShadingPoint, SparseVectors, TransportWorkspace};
 pub use visibility::{Quality, Visibility};

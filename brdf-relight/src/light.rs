@@ -44,7 +44,7 @@ pub struct LitCoefficients {
 /// Where the rays of each texel of the cube lie in lat-long maps, and their shares of the texel's solid angle: for light
 /// that changes often.
 #[derive(Clone, Debug)]
-pub struct LightSampler {
+pub struct CubeLightSampler {
     rays: Vec<[LightRay; RAYS]>,
 }
 
@@ -59,7 +59,7 @@ struct LightRay {
 const FINE: usize = 4;
 const RAYS: usize = FINE * FINE;
 
-impl Default for LightSampler {
+impl Default for CubeLightSampler {
     #[expect(clippy::cast_possible_truncation, reason = "light is f32")]
     fn default() -> Self {
         let rays = (0..TEXELS).into_par_iter().map(|texel| {
@@ -80,7 +80,7 @@ impl Default for LightSampler {
     }
 }
 
-impl LightSampler {
+impl CubeLightSampler {
     /// An environment turned about the vertical by an angle in radians, counter-clockwise seen from above: means over each
     /// texel.
     #[expect(
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn energy_is_that_of_the_radiance() {
-        let light = LightSampler::default().light(&lamp(40), 0.0);
+        let light = CubeLightSampler::default().light(&lamp(40), 0.0);
         let all = light.coefficients(LightRule::All);
         let energy = |values: &[[f32; 3]]| -> f64 {
             values.as_flattened().iter().map(|v| f64::from(*v).powi(2)).sum()
@@ -222,10 +222,10 @@ mod tests {
             mean.sum::<DVec3>().normalize()
         };
         // Columns grow from +z over −x, −z (the middle) and +x.
-        let right = brightest(&LightSampler::default().light(&lamp(48), 0.0));
+        let right = brightest(&CubeLightSampler::default().light(&lamp(48), 0.0));
         assert!(right.x > 0.98, "{right}");
         let turned =
-            brightest(&LightSampler::default().light(&lamp(48), std::f64::consts::FRAC_PI_2));
+            brightest(&CubeLightSampler::default().light(&lamp(48), std::f64::consts::FRAC_PI_2));
         assert!(turned.z < -0.98, "a quarter to the left: {turned}");
     }
 }

@@ -1,7 +1,7 @@
 //! Textures over the hemisphere, read by the thousand.
 
 use brdf_param::{HemisphereMap, Parametrization};
-use brdf_separable::{Chart, SeparableBrdf, ValueMap};
+use brdf_separable::{HemisphereGrid, SeparableBrdf, ValueTransform};
 use glam::Vec3;
 
 use crate::RelightError;
@@ -113,11 +113,13 @@ impl BrdfMaps {
     /// [`RelightError::Brdf`] for other coordinates or value maps than [`crate::factor_for_relighting`] makes.
     pub fn of(model: &SeparableBrdf) -> Result<Self, RelightError> {
         let layout = model.layout();
-        let resolution = |chart: Chart| match chart {
-            Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution } => Some(resolution),
+        let resolution = |chart: HemisphereGrid| match chart {
+            HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution } => {
+                Some(resolution)
+            }
             _ => None,
         };
-        let is_linear = model.maps().iter().all(|map| *map == ValueMap::Linear);
+        let is_linear = model.maps().iter().all(|map| *map == ValueTransform::Linear);
         let is_standard = layout.parametrization == Parametrization::Standard;
         let sides = resolution(layout.first).zip(resolution(layout.second));
         let (Some((light, view)), true, true) = (sides, is_linear, is_standard) else {

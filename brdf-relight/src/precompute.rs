@@ -5,16 +5,18 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::RelightError;
-use crate::bundle::Occluder;
 use crate::clustered::ClusteredTransport;
 use crate::coefficients::Coding;
 use crate::components::components;
 use crate::grouping::clusters;
 use crate::maps::{BrdfMaps, Terms};
+use crate::ray_packet::Occluder;
 use crate::scene::Part;
 use crate::store::{SparseTransport, Transport};
 use crate::surface::{Surface, diagonal};
-use crate::transport::{Site, Sky, SparseVectors, Workspace, open_energy};
+use crate::transport::{
+    CubeDirections, ShadingPoint, SparseVectors, TransportWorkspace, open_energy,
+};
 use crate::visibility::Quality;
 
 /// How transport is stored.
@@ -56,8 +58,8 @@ pub struct Precomputation {
     maps: BrdfMaps,
     params: PrecomputeParams,
     chunks: Vec<Vec<u32>>,
-    sites: Vec<Site>,
-    sky: Sky,
+    shading_points: Vec<ShadingPoint>,
+    sky: CubeDirections,
     terms: Terms,
 }
 
@@ -85,9 +87,17 @@ impl Precomputation {
             }
             Codec::Clusters { .. } => clusters(&surface),
         };
-        let sites = surface.sites(diagonal(mesh.positions()));
+        let shading_points = surface.shading_points(diagonal(mesh.positions()));
         let terms = maps.weighted_terms();
-        Self { surface, maps, params, chunks, sites, sky: Sky::default(), terms }
+        Self {
+            surface,
+            maps,
+            params,
+            chunks,
+            shading_points,
+            sky: CubeDirections::default(),
+            terms,
+        }
     }
 
     /// What is shaded.
@@ -118,8 +128,9 @@ impl Precomputation {
         let terms = &self.terms;
         match self.params.codec {
             Codec::Wavelet { coefficients } => {
-                let select =
-                    |workspace: &mut Workspace| workspace.select(terms.weights.len(), coefficients);
+                let select = |workspace: &mut TransportWorkspace| {
+                    workspace.select(terms.weights.len(), coefficients)
+                };
                 Ok(Chunk { vectors: self.each(occluder, chunk, select), weights: Vec::new() })
             }
             Codec::Clusters { tolerance } => {
@@ -138,14 +149,14 @@ impl Precomputation {
         &self,
         occluder: &Occluder,
         chunk: usize,
-        take: impl Fn(&mut Workspace) -> T + Sync,
+        take: impl Fn(&mut TransportWorkspace) -> T + Sync,
     ) -> Vec<T> {
         let light = &self.maps.light;
         let vertices = self.chunks[chunk].par_iter();
         let taken = vertices.map_init(
-            || Workspace::new(light.width()),
+            || TransportWorkspace::new(light.width()),
             |workspace, vertex| {
-                let site = &self.sites[*vertex as usize];
+                let site = &self.shading_points[*vertex as usize];
                 workspace.transport(&self.sky, occluder, site, light, self.params.quality);
                 workspace.transform();
                 take(workspace)

@@ -10,7 +10,7 @@ use crate::scene::{Part, RelitScene};
 
 /// How a picture is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shot {
+pub struct RenderParams {
     /// From where.
     pub camera: Camera,
     /// Pixels along each side.
@@ -49,7 +49,7 @@ struct Point {
 
 /// Draws parts as light made them, and counts points where the sum of products was below 0 and set to 0. View maps
 /// are read for each point, between the values of the corners. Triangles whose normals look away are not drawn.
-pub fn picture(parts: &[Part<'_>], relit: &RelitScene, shot: &Shot) -> (Film, usize) {
+pub fn render(parts: &[Part<'_>], relit: &RelitScene, shot: &RenderParams) -> (Film, usize) {
     let side = shot.size * shot.points;
     let projected: Vec<Vec<Projected>> = parts
         .iter()
@@ -75,7 +75,7 @@ pub fn picture(parts: &[Part<'_>], relit: &RelitScene, shot: &Shot) -> (Film, us
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "places in a picture")]
-fn project(shot: &Shot, position: glam::DVec3, normal: Vec3) -> Projected {
+fn project(shot: &RenderParams, position: glam::DVec3, normal: Vec3) -> Projected {
     let side = shot.size * shot.points;
     let to_eye = (shot.camera.eye - position).as_vec3().normalize_or_zero();
     match shot.camera.project(position, side, side) {
@@ -204,7 +204,7 @@ fn drawn<'a>(
 fn shaded(
     parts: &[Part<'_>],
     relit: &RelitScene,
-    shot: &Shot,
+    shot: &RenderParams,
     points: &[Point],
     first: usize,
     pixels: &mut [Pixel],
@@ -225,7 +225,7 @@ struct RayGrid {
 
 impl RayGrid {
     #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
-    fn of(shot: &Shot) -> Self {
+    fn of(shot: &RenderParams) -> Self {
         let (camera, side) = (&shot.camera, (shot.size * shot.points) as f64);
         let right = camera.forward().cross(camera.up());
         let half = (0.5 * camera.fov()).tan();
@@ -246,7 +246,7 @@ impl RayGrid {
 struct Shade<'a> {
     parts: &'a [Part<'a>],
     relit: &'a RelitScene,
-    shot: &'a Shot,
+    shot: &'a RenderParams,
     rays: RayGrid,
     points: &'a [Point],
     first: usize,

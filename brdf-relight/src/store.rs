@@ -77,7 +77,7 @@ impl Transport<'_> {
 }
 
 /// Vectors of a block; their numbers within it fit sixteen bits.
-pub const BLOCK: usize = 8192;
+pub const VERTEX_BLOCK: usize = 8192;
 
 /// Sparse vectors by coefficient. Borrowed arrays may lie in a mapped file.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,7 +135,7 @@ impl SparseTransport<'static> {
             })
             .collect();
         let blocks: Vec<(Vec<u32>, Vec<u16>, Vec<u32>)> =
-            vectors.par_chunks(BLOCK).map(ordered).collect();
+            vectors.par_chunks(VERTEX_BLOCK).map(ordered).collect();
         let (mut offsets, mut owners, mut codes) = (Vec::new(), Vec::new(), Vec::new());
         for (starts, own, code) in blocks {
             let base = u32::try_from(owners.len()).unwrap_or(u32::MAX);
@@ -206,7 +206,7 @@ impl<'a> SparseTransport<'a> {
         if codes.len() != entries {
             return refuse(format!("{} codes of {entries} entries", codes.len()), "as many");
         }
-        if offsets.len() != vectors.div_ceil(BLOCK) * (TEXELS + 1) {
+        if offsets.len() != vectors.div_ceil(VERTEX_BLOCK) * (TEXELS + 1) {
             return refuse(format!("{} offsets", offsets.len()), "24,577 for each 8,192 vectors");
         }
         let ascends = offsets.windows(2).all(|pair| pair[0] <= pair[1]);
@@ -220,7 +220,7 @@ impl<'a> SparseTransport<'a> {
         }
         for (block, starts) in offsets.chunks_exact(TEXELS + 1).enumerate() {
             let own = &owners[starts[0] as usize..starts[TEXELS] as usize];
-            let count = (vectors - block * BLOCK).min(BLOCK);
+            let count = (vectors - block * VERTEX_BLOCK).min(VERTEX_BLOCK);
             let next = offsets.get((block + 1) * (TEXELS + 1));
             if own.iter().any(|owner| usize::from(*owner) >= count)
                 || next.is_some_and(|next| *next != starts[TEXELS])
@@ -278,7 +278,7 @@ impl<'a> SparseTransport<'a> {
         for (block, starts) in self.offsets.chunks_exact(TEXELS + 1).enumerate() {
             for (place, ends) in (0_u16..).zip(starts.windows(2)) {
                 for at in ends[0] as usize..ends[1] as usize {
-                    let vector = &mut vectors[block * BLOCK + usize::from(self.owners[at])];
+                    let vector = &mut vectors[block * VERTEX_BLOCK + usize::from(self.owners[at])];
                     vector.places.push(place);
                     vector.codes.push(self.codes.word(at));
                 }
@@ -304,9 +304,9 @@ impl<'a> SparseTransport<'a> {
     /// Unless `out` has room for each vector.
     pub fn relight(&self, light: &LitCoefficients, out: &mut [[f32; 3]]) {
         assert_eq!(out.len(), self.vectors(), "room for each vector");
-        let blocks = out.par_chunks_mut(BLOCK).zip(self.scales.par_chunks(BLOCK));
+        let blocks = out.par_chunks_mut(VERTEX_BLOCK).zip(self.scales.par_chunks(VERTEX_BLOCK));
         blocks.enumerate().for_each_init(
-            || vec![[0.0; 4]; BLOCK],
+            || vec![[0.0; 4]; VERTEX_BLOCK],
             |sums, (block, (out, scales))| {
                 let starts = &self.offsets[block * (TEXELS + 1)..][..TEXELS + 1];
                 sums.fill([0.0; 4]);

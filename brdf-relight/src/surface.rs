@@ -3,7 +3,7 @@
 use brdf_render::Mesh;
 use glam::DVec3;
 
-use crate::transport::Site;
+use crate::transport::ShadingPoint;
 
 /// Triangles with a unit normal at each corner.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,10 +54,10 @@ impl Surface {
     }
 
     /// Where the sky is looked at from each vertex, above the surface by a share of `diagonal`.
-    pub fn sites(&self, diagonal: f64) -> Vec<Site> {
+    pub fn shading_points(&self, diagonal: f64) -> Vec<ShadingPoint> {
         let pairs = self.positions.iter().zip(&self.normals);
         pairs
-            .map(|(position, normal)| Site {
+            .map(|(position, normal)| ShadingPoint {
                 position: *position + LIFT * diagonal * *normal,
                 normal: *normal,
             })

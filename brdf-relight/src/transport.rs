@@ -2,18 +2,18 @@
 
 use glam::{DVec3, Mat3, Vec3};
 
-use crate::bundle::Occluder;
 use crate::coefficients::{Coding, Selection, magnitudes};
 use crate::components::Entries;
 use crate::cube::{FACE_TEXELS, TEXELS, direction, solid_angle};
 use crate::frame::tangent_frame;
 use crate::haar;
 use crate::maps::{BrdfMaps, MapStack, Terms};
+use crate::ray_packet::Occluder;
 use crate::visibility::{Quality, Visibility};
 
 /// A vertex: where it is looked from, and its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
+pub struct ShadingPoint {
     /// A little above the surface.
     pub position: DVec3,
     /// Unit.
@@ -56,12 +56,12 @@ impl SparseVectors {
 
 /// Texels of the sky as f32.
 #[derive(Clone, Debug)]
-pub struct Sky {
+pub struct CubeDirections {
     directions: Vec<Vec3>,
     solid_angles: Vec<f32>,
 }
 
-impl Default for Sky {
+impl Default for CubeDirections {
     #[expect(clippy::cast_possible_truncation, reason = "transport is f32")]
     fn default() -> Self {
         Self {
@@ -71,7 +71,7 @@ impl Default for Sky {
     }
 }
 
-impl Sky {
+impl CubeDirections {
     /// Unit directions of all texels.
     pub fn directions(&self) -> &[Vec3] {
         &self.directions
@@ -85,7 +85,7 @@ impl Sky {
 
 /// Memory of one vertex's transport, used again for the next.
 #[derive(Clone, Debug)]
-pub struct Workspace {
+pub struct TransportWorkspace {
     /// What it sees.
     pub visibility: Visibility,
     /// `[texel or coefficient][term, channel]`.
@@ -98,7 +98,7 @@ pub struct Workspace {
     places: Vec<u16>,
 }
 
-impl Workspace {
+impl TransportWorkspace {
     /// For light maps of so many values a texel.
     pub fn new(width: usize) -> Self {
         Self {
@@ -120,9 +120,9 @@ impl Workspace {
     /// Unless the light maps are as wide as the workspace.
     pub fn transport(
         &mut self,
-        sky: &Sky,
+        sky: &CubeDirections,
         occluder: &Occluder,
-        site: &Site,
+        site: &ShadingPoint,
         light: &MapStack,
         quality: Quality,
     ) -> &[f32] {
@@ -132,7 +132,7 @@ impl Workspace {
     }
 
     /// The same for the visibility that is there.
-    fn weigh(&mut self, sky: &Sky, normal: DVec3, light: &MapStack) {
+    fn weigh(&mut self, sky: &CubeDirections, normal: DVec3, light: &MapStack) {
         let width = light.width();
         assert_eq!(self.values.len(), TEXELS * width, "room for the light maps");
         for face in 0..6 {
@@ -158,7 +158,7 @@ impl Workspace {
         }
     }
 
-    /// Wavelet coefficients of the transport that [`Workspace::transport`] made, in its place.
+    /// Wavelet coefficients of the transport that [`TransportWorkspace::transport`] made, in its place.
     pub fn transform(&mut self) -> &[f32] {
         let width = self.values.len() / TEXELS;
         for (face, values) in self.values.chunks_exact_mut(FACE_TEXELS * width).enumerate() {
@@ -209,7 +209,7 @@ impl Workspace {
 }
 
 /// What a vertex that sees the whole sky holds: the sum of squares of its transport, times those of the weights of terms.
-pub(crate) fn open_energy(sky: &Sky, maps: &BrdfMaps, terms: &Terms) -> f64 {
+pub(crate) fn open_energy(sky: &CubeDirections, maps: &BrdfMaps, terms: &Terms) -> f64 {
     let mut values = vec![0.0; terms.width()];
     let texels = sky.directions.iter().zip(&sky.solid_angles);
     let energies = texels.filter(|(direction, _)| direction.z > 0.0).map(|(direction, angle)| {

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::bundle::{Occluder, TILE, Tile};
 use crate::cube::{FACES, SIDE, TEXELS, middle};
+use crate::ray_packet::{Occluder, TILE, Tile};
 
 /// How finely the sky is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -43,10 +43,10 @@ fn maps(name: &str, rank: usize, light_maps: LightMaps) -> BrdfMaps {
 fn bundles_see_what_single_rays_see() {
     let mesh = torus();
     let (occluder, surface) = (Occluder::of(&mesh), Surface::of(&mesh));
-    let sites = surface.sites(4.0);
+    let shading_points = surface.shading_points(4.0);
     let mut visibility = Visibility::default();
     let (mut shaded, mut apart) = (0, 0);
-    for site in sites.iter().step_by(sites.len() / 23) {
+    for site in shading_points.iter().step_by(shading_points.len() / 23) {
         visibility.look(&occluder, site.position, site.normal, Quality::One);
         for texel in (0..TEXELS).step_by(7) {
             let ray = direction(texel);
@@ -64,13 +64,13 @@ fn bundles_see_what_single_rays_see() {
 fn finer_looks_agree_away_from_borders() {
     let mesh = torus();
     let occluder = Occluder::of(&mesh);
-    let sites = Surface::of(&mesh).sites(4.0);
+    let shading_points = Surface::of(&mesh).shading_points(4.0);
     let look = |at: usize, quality| {
         let mut visibility = Visibility::default();
-        visibility.look(&occluder, sites[at].position, sites[at].normal, quality);
+        visibility.look(&occluder, shading_points[at].position, shading_points[at].normal, quality);
         visibility.shares().iter().map(|share| f64::from(*share) / 16.0).collect::<Vec<f64>>()
     };
-    for at in [0, sites.len() / 3, sites.len() / 2] {
+    for at in [0, shading_points.len() / 3, shading_points.len() / 2] {
         let [one, adaptive, all] =
             [Quality::One, Quality::Adaptive, Quality::Sixteen].map(|quality| look(at, quality));
         let wrong = |shares: &[f64]| -> f64 {
@@ -84,10 +84,10 @@ fn finer_looks_agree_away_from_borders() {
 fn a_white_furnace_gives_one() {
     let mesh = speck();
     let maps = BrdfMaps::diffuse(1.0);
-    let mut workspace = Workspace::new(1);
-    let site = Site { position: DVec3::Y, normal: DVec3::new(0.3, 0.8, -0.5).normalize() };
+    let mut workspace = TransportWorkspace::new(1);
+    let site = ShadingPoint { position: DVec3::Y, normal: DVec3::new(0.3, 0.8, -0.5).normalize() };
     let values = workspace.transport(
-        &Sky::default(),
+        &CubeDirections::default(),
         &Occluder::of(&mesh),
         &site,
         &maps.light,
@@ -99,15 +99,15 @@ fn a_white_furnace_gives_one() {
 
 #[test]
 fn transport_and_its_wavelets_are_brute_force_before_they_are_cut() {
-    let (mesh, light) = (torus(), LightSampler::default().light(&environment(), 0.4));
+    let (mesh, light) = (torus(), CubeLightSampler::default().light(&environment(), 0.4));
     let lit = light.coefficients(LightRule::All);
-    let (occluder, sky) = (Occluder::of(&mesh), Sky::default());
-    let sites = Surface::of(&mesh).sites(4.0);
+    let (occluder, sky) = (Occluder::of(&mesh), CubeDirections::default());
+    let shading_points = Surface::of(&mesh).shading_points(4.0);
     for (light_maps, rank) in [(LightMaps::Rgb, 3), (LightMaps::Joint, 5)] {
         let maps = maps("light-brown-plastic", rank, light_maps);
         let (width, channels) = (maps.light.width(), maps.light_channels());
-        let mut workspace = Workspace::new(width);
-        for site in sites.iter().step_by(sites.len() / 5) {
+        let mut workspace = TransportWorkspace::new(width);
+        for site in shading_points.iter().step_by(shading_points.len() / 5) {
             let frame = tangent_frame(site.normal);
             let dense =
                 workspace.transport(&sky, &occluder, site, &maps.light, Quality::One).to_vec();
@@ -166,7 +166,8 @@ fn with_threads<T: PartialEq + Send>(make: impl Fn() -> T + Sync + Send) -> T {
 #[test]
 fn the_store_multiplies_what_vectors_hold_whatever_the_threads() {
     let occluder = Occluder::of(&torus());
-    let lit = LightSampler::default().light(&environment(), 0.0).coefficients(LightRule::Energy);
+    let lit =
+        CubeLightSampler::default().light(&environment(), 0.0).coefficients(LightRule::Energy);
     for (light_maps, rank) in [(LightMaps::Rgb, 4), (LightMaps::Joint, 6)] {
         let maps = maps("light-brown-plastic", rank, light_maps);
         let codec = Codec::Wavelet { coefficients: 60 };
@@ -231,7 +232,7 @@ fn clusters_stand_for_their_vertices() {
         triangles: Vec::new(),
     };
     let occluder = Occluder::of(&torus());
-    let lit = LightSampler::default().light(&environment(), 0.0).coefficients(LightRule::All);
+    let lit = CubeLightSampler::default().light(&environment(), 0.0).coefficients(LightRule::All);
     for (light_maps, rank) in [(LightMaps::Rgb, 2), (LightMaps::Joint, 6)] {
         let maps = maps("light-brown-plastic", rank, light_maps);
         let run = |codec| {
@@ -268,7 +269,8 @@ fn clusters_stand_for_their_vertices() {
 #[test]
 fn components_multiply_what_chunks_hold() {
     let occluder = Occluder::of(&torus());
-    let lit = LightSampler::default().light(&environment(), 0.0).coefficients(LightRule::Energy);
+    let lit =
+        CubeLightSampler::default().light(&environment(), 0.0).coefficients(LightRule::Energy);
     let maps = maps("light-brown-plastic", 2, LightMaps::Joint);
     let codec = Codec::Clusters { tolerance: 1e-4 };
     let work = plan(Surface::of(&torus()), &maps, codec, Quality::One);
@@ -326,7 +328,7 @@ fn decoded(coding: Coding, code: u32, largest: f32) -> [f64; 3] {
 
 #[test]
 fn more_terms_and_coefficients_come_closer_to_brute_force() {
-    let (mesh, light) = (torus(), LightSampler::default().light(&environment(), 0.0));
+    let (mesh, light) = (torus(), CubeLightSampler::default().light(&environment(), 0.0));
     let occluder = Occluder::of(&mesh);
     let brdf = Preset::find("light-brown-plastic").unwrap().brdf();
     let split = |rank, coefficients| {
@@ -352,7 +354,7 @@ fn the_picture_shows_the_shadow_and_matches_brute_force_at_a_pixel() {
     let brdf = Preset::find("light-brown-plastic").unwrap().brdf();
     let maps = maps("light-brown-plastic", 12, LightMaps::Joint);
     let diffuse = BrdfMaps::diffuse(0.5);
-    let light = LightSampler::default().light(&environment(), 0.0);
+    let light = CubeLightSampler::default().light(&environment(), 0.0);
     let part = |surface: Surface, maps: &BrdfMaps| {
         let codec = Codec::Clusters { tolerance: 1e-5 };
         plan(surface, maps, codec, Quality::One).run(&occluder).unwrap()
@@ -362,8 +364,8 @@ fn the_picture_shows_the_shadow_and_matches_brute_force_at_a_pixel() {
     relit.relight(&parts, &light.coefficients(LightRule::All));
     let camera =
         Camera::around(mesh.centre(), mesh.radius(), DVec3::new(0.2, 0.5, 0.8).normalize());
-    let shot = Shot { camera, size: 96, points: 2 };
-    let (film, _) = picture(&parts, &relit, &shot);
+    let shot = RenderParams { camera, size: 96, points: 2 };
+    let (film, _) = render(&parts, &relit, &shot);
     let mut apart = Vec::new();
     for (at, pixel) in film.pixels().iter().enumerate().step_by(5) {
         let Pixel::Radiance(found, share) = *pixel else { continue };

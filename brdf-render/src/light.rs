@@ -54,7 +54,7 @@ pub struct Environment {
     width: usize,
     height: usize,
     texels: Vec<[f32; 3]>,
-    /// Running sum over all texels of luminance times solid angle, normalised.
+    /// Running sum over all texels of luminance times solid angle, normalized.
     cumulative: Vec<f64>,
     total: f64,
 }
@@ -100,11 +100,11 @@ impl Environment {
     }
 
     /// Density, per steradian, with which [`Environment::sample`] gives a direction of this radiance.
-    pub fn density(&self, radiance: Rgb) -> f64 {
+    pub fn pdf(&self, radiance: Rgb) -> f64 {
         radiance.luminance() / self.total
     }
 
-    /// A direction with density proportional to luminance, from two numbers in [0, 1).
+    /// A direction with pdf proportional to luminance, from two numbers in [0, 1).
     #[expect(clippy::cast_precision_loss, reason = "image sides are far below 2⁵³")]
     pub fn sample(&self, u: f64, v: f64) -> DVec3 {
         let index = self.cumulative.partition_point(|&sum| sum <= u).min(self.texels.len() - 1);

@@ -70,8 +70,8 @@ impl MeshStage<'_> {
     /// How much of the texture a pixel covers, the longer way.
     fn footprint(&self, triangle: usize, distance: f64, surface: &SurfacePoint, cos: f64) -> f64 {
         let side = self.camera.pixel_side(self.view.size) * distance / cos.max(1e-3);
-        let density = self.mesh.texture_density(triangle, surface.position);
-        side * density * self.view.tiles
+        let texel_density = self.mesh.texture_density(triangle, surface.position);
+        side * texel_density * self.view.tiles
     }
 }
 

@@ -1,7 +1,7 @@
 //! Textures of sums of products to look at.
 
 use brdf_model::{Channels, Rgb};
-use brdf_separable::{Chart, SeparableBrdf};
+use brdf_separable::{HemisphereGrid, SeparableBrdf};
 
 use crate::display::{DisplayImage, srgb_bytes};
 use crate::texture_view::{MASKED_OUT, SIDE};
@@ -24,7 +24,7 @@ pub enum Side {
 /// If the model has no such term.
 pub fn term_view(model: &SeparableBrdf, side: Side, term: usize) -> DisplayImage {
     assert!(term < model.rank(), "a term of the model");
-    let chart: Chart = match side {
+    let chart: HemisphereGrid = match side {
         Side::First => model.layout().first,
         Side::Second => model.layout().second,
     };

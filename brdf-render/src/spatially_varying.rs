@@ -30,15 +30,15 @@ pub trait SpatiallyVarying: Sync {
     fn reflect(&self, at: &TexturePoint, wo: DVec3, lights: &[DVec3], out: &mut [Rgb]);
 
     /// A direction to a light where the material may be bright, from two numbers in [0, 1), and its
-    /// density per steradian; none where the draw found no direction. The cosine unless overridden.
+    /// pdf per steradian; none where the draw found no direction. The cosine unless overridden.
     fn sample(&self, at: &TexturePoint, wo: DVec3, u1: f64, u2: f64) -> Option<(DVec3, f64)> {
         let _ = (at, wo);
         Some(cosine_hemisphere(u1, u2))
     }
 
-    /// The density, per steradian, with which [`SpatiallyVarying::sample`] gives a direction above
+    /// The pdf, per steradian, with which [`SpatiallyVarying::sample`] gives a direction above
     /// the surface. Override both or neither.
-    fn density(&self, at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
+    fn pdf(&self, at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
         let _ = (at, wo);
         wi.z.max(0.0) / PI
     }
@@ -58,7 +58,7 @@ impl SpatiallyVarying for Uniform<'_> {
     fn reflect(&self, _at: &TexturePoint, wo: DVec3, lights: &[DVec3], out: &mut [Rgb]) {
         for (value, &wi) in out.iter_mut().zip(lights) {
             let pair = DirectionPair::new(wi, wo);
-            let covered = wi.z > 0.0 && self.0.covers(&pair);
+            let covered = wi.z > 0.0 && self.0.has_data(&pair);
             *value = if covered { self.0.eval(&pair) * wi.z } else { Rgb::BLACK };
         }
     }
@@ -66,10 +66,10 @@ impl SpatiallyVarying for Uniform<'_> {
     fn sample(&self, _at: &TexturePoint, wo: DVec3, u1: f64, u2: f64) -> Option<(DVec3, f64)> {
         let lobe = HalfLobe { wo };
         let wi = lobe.sample(u1, u2);
-        (wi.z > 0.0).then(|| (wi, lobe.density(wi)))
+        (wi.z > 0.0).then(|| (wi, lobe.pdf(wi)))
     }
 
-    fn density(&self, _at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
-        HalfLobe { wo }.density(wi)
+    fn pdf(&self, _at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
+        HalfLobe { wo }.pdf(wi)
     }
 }

@@ -102,7 +102,7 @@ fn directional(brdf: &dyn Brdf, light: DVec3, size: usize, column: usize, row: u
         let pair = DirectionPair::new(frame.to_local(light), frame.to_local(DVec3::Z));
         if pair.wi.z <= 0.0 {
             known += 1;
-        } else if brdf.covers(&pair) {
+        } else if brdf.has_data(&pair) {
             known += 1;
             sum = sum + brdf.eval(&pair) * (PI * pair.wi.z);
         }
@@ -124,7 +124,7 @@ fn finish(radiance: Rgb, hits: u32, known: u32) -> Pixel {
 #[derive(Default)]
 struct Scratch {
     pairs: DirectionBatch,
-    /// Incident radiance times cosine over density, per pair.
+    /// Incident radiance times cosine over pdf, per pair.
     weights: Vec<Rgb>,
     values: RgbBatch,
 }
@@ -155,7 +155,7 @@ fn lit_by(
     scratch.weights.clear();
     // Incident light, all of it and what arrives from directions without data.
     let (mut arriving, mut unknown) = (0.0, 0.0);
-    // The density below is that of equal thirds.
+    // The pdf below is that of equal thirds.
     let samples = view.samples.max(1).next_multiple_of(3);
     for index in 0..samples {
         let [u, v] = sobol.planar_point(index);
@@ -169,12 +169,12 @@ fn lit_by(
         }
         let world = frame.to_world(wi);
         let radiance = environment.radiance(world);
-        let density = (environment.density(radiance) + wi.z / PI + lobe.density(wi)) / 3.0;
+        let pdf = (environment.pdf(radiance) + wi.z / PI + lobe.pdf(wi)) / 3.0;
         let pair = DirectionPair::new(wi, wo);
-        if density > 0.0 {
-            let weight = radiance * (wi.z / density);
+        if pdf > 0.0 {
+            let weight = radiance * (wi.z / pdf);
             arriving += weight.luminance();
-            if brdf.covers(&pair) {
+            if brdf.has_data(&pair) {
                 scratch.pairs.push(&pair);
                 scratch.weights.push(weight);
             } else {
@@ -215,7 +215,7 @@ impl HalfLobe {
         2.0 * self.wo.dot(half) * half - self.wo
     }
 
-    pub(crate) fn density(&self, wi: DVec3) -> f64 {
+    pub(crate) fn pdf(&self, wi: DVec3) -> f64 {
         let half = (wi + self.wo).normalize_or(DVec3::Z);
         let cosine = self.wo.dot(half).abs().max(1e-6);
         (Self::EXPONENT + 1.0) / TAU * half.z.max(0.0).powf(Self::EXPONENT) / (4.0 * cosine)

@@ -87,7 +87,7 @@ struct Gather<'a> {
 struct Lit {
     /// Directions to them, local.
     directions: Vec<DVec3>,
-    /// Incident radiance over density, or irradiance.
+    /// Incident radiance over pdf, or irradiance.
     weights: Vec<Rgb>,
     values: Vec<Rgb>,
 }
@@ -139,7 +139,7 @@ impl Gather<'_> {
         sobol: &ScrambledSobol,
         point: u32,
     ) {
-        // The density below is that of equal thirds.
+        // The pdf below is that of equal thirds.
         let count = self.samples.div_ceil(POINTS).max(1).next_multiple_of(3);
         for index in 0..count {
             let [u, v] = sobol.planar_point(point * count + index);
@@ -154,9 +154,9 @@ impl Gather<'_> {
                 continue;
             }
             let radiance = environment.radiance(world);
-            let own = hit.material.density(&hit.at, wo, wi);
-            let density = (environment.density(radiance) + wi.z / PI + own) / 3.0;
-            self.lit.push(wi, radiance / (density * f64::from(count)));
+            let own = hit.material.pdf(&hit.at, wo, wi);
+            let pdf = (environment.pdf(radiance) + wi.z / PI + own) / 3.0;
+            self.lit.push(wi, radiance / (pdf * f64::from(count)));
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     Family, PowellParams, Rotation4, SearchError, SearchOutcome, TermOutcome, minimize_rotation,
 };
 
-/// What a greedy search minimises (Cole 2002, section 3.1.4). Textures are least-squares solutions in
+/// What a greedy search minimizes (Cole 2002, section 3.1.4). Textures are least-squares solutions in
 /// logarithms all the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -41,7 +41,7 @@ pub struct GreedyParams {
     /// Factors whose textures are solved for together, the new one included, at least 1; earlier ones
     /// keep theirs. The thesis finds 2 much better than 1, and little beyond.
     pub last: usize,
-    /// What is minimised.
+    /// What is minimized.
     pub objective: Objective,
     /// When a descent ends.
     pub powell: PowellParams,
@@ -157,7 +157,7 @@ impl Greedy<'_, '_> {
         for (total, part) in self.explained.iter_mut().zip(given) {
             total.iter_mut().zip(part).for_each(|(total, part)| *total += part);
         }
-        self.problem = self.problem.less(given);
+        self.problem = self.problem.subtract(given);
     }
 
     fn starts(&self, term: usize) -> Vec<Rotation4> {

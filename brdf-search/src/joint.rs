@@ -126,7 +126,7 @@ fn coarse_beams(
     params: &JointParams,
     monitor: &Monitor<'_>,
 ) -> Result<Vec<Vec<Candidate>>, SearchError> {
-    let coarse_problem = problem.thinned(COARSE.1).smoothed(COARSE_SMOOTHING);
+    let coarse_problem = problem.subset(COARSE.1).smoothed(COARSE_SMOOTHING);
     let level = Level::new(&coarse_problem, COARSE.0.min(params.texture_size), family)?;
     let mut beams: Vec<Vec<Candidate>> = Vec::new();
     for terms in 1..=params.terms {
@@ -269,7 +269,7 @@ fn refined(
     beams: &[Vec<Candidate>],
     monitor: &Monitor<'_>,
 ) -> Result<Vec<TermOutcome>, SearchError> {
-    let medium_problem = problem.thinned(MEDIUM.1);
+    let medium_problem = problem.subset(MEDIUM.1);
     let medium = Level::new(&medium_problem, MEDIUM.0.min(params.texture_size), family)?;
     let fine = Level::new(problem, params.texture_size, family)?;
     let mut terms: Vec<TermOutcome> = Vec::new();

@@ -7,7 +7,7 @@ use brdf_param::Projection;
 pub struct TermOutcome {
     /// Its projections.
     pub projections: Vec<Projection>,
-    /// What the search minimised, at its texture size: see the search.
+    /// What the search minimized, at its texture size: see the search.
     pub error: f64,
 }
 

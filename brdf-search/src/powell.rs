@@ -92,7 +92,7 @@ struct Descent {
 }
 
 impl Descent {
-    /// Minimises along every direction; then, where the whole way of the round leads further down,
+    /// Minimizes along every direction; then, where the whole way of the round leads further down,
     /// along it, and lets it replace the direction of the largest decrease.
     fn round(&mut self, f: &mut impl FnMut(&Rotation4) -> f64) {
         let (start, start_value) = (self.rotation, self.value);

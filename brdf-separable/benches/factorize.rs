@@ -5,14 +5,14 @@
 use brdf_model::{Brdf, Channels, PairSampling, Preset};
 use brdf_param::{DirectionPair, HemisphereMap, Parametrization};
 use brdf_separable::{
-    BrdfMatrix, Chart, KrylovParams, Layout, MatrixParams, SeparableParams, factorize,
-    top_eigenpairs,
+    BrdfMatrix, HemisphereGrid, KrylovParams, Layout, MatrixParams, SeparableParams,
+    factorize_matrix, top_eigenpairs,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn benches(c: &mut Criterion) {
     let brdf = Preset::find("ashikhmin-shirley").unwrap().brdf();
-    let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution: 48 };
+    let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 48 };
     let layout = Layout::new(Parametrization::Standard, chart, chart);
     let mut group = c.benchmark_group("1804²");
     group.sample_size(10);
@@ -33,7 +33,7 @@ fn benches(c: &mut Criterion) {
 
     let model = {
         let matrix = BrdfMatrix::sample(&brdf, &layout, &MatrixParams::default()).unwrap();
-        factorize(&matrix, &SeparableParams::default()).unwrap().model
+        factorize_matrix(&matrix, &SeparableParams::default()).unwrap().model
     };
     let sampling = PairSampling { count: 100_000, seed: 1, theta_max: 1.4 };
     let pairs: Vec<DirectionPair> = sampling.pairs().collect();

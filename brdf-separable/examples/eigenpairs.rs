@@ -9,13 +9,13 @@ use std::time::Instant;
 use brdf_model::{Channels, Preset};
 use brdf_param::{HemisphereMap, Parametrization};
 use brdf_separable::{
-    BrdfMatrix, Chart, KrylovParams, Layout, MatrixParams, SeparableError, power_iteration,
-    top_eigenpairs,
+    BrdfMatrix, HemisphereGrid, KrylovParams, Layout, MatrixParams, SeparableError,
+    power_iteration, top_eigenpairs,
 };
 
 fn main() -> Result<(), SeparableError> {
     let brdf = Preset::find("ashikhmin-shirley").expect("a preset").brdf();
-    let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution: 48 };
+    let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 48 };
     let layout = Layout::new(Parametrization::Standard, chart, chart);
     let params = MatrixParams { channels: Channels::Luminance, ..MatrixParams::default() };
     let matrix = BrdfMatrix::sample(&brdf, &layout, &params)?;

@@ -9,8 +9,8 @@ use crate::matrix::RankError;
 use crate::model::SecondSide;
 use crate::normalized::normalized_factors;
 use crate::{
-    BrdfMatrix, Chart, KrylovParams, NonnegativeParams, SeparableBrdf, SeparableError, TopPairs,
-    nonnegative_factors, power_iteration, top_eigenpairs, top_singular_triplets,
+    BrdfMatrix, HemisphereGrid, KrylovParams, NonnegativeParams, SeparableBrdf, SeparableError,
+    TopPairs, nonnegative_factors, power_iteration, top_eigenpairs, top_singular_triplets,
 };
 
 /// Which decomposition.
@@ -94,7 +94,7 @@ pub struct SeparableFit {
 /// [`SeparableError::Rank`]; [`SeparableError::NotSymmetric`] for eigenpairs of a layout whose
 /// sides differ, or of all channels together; [`SeparableError::Negative`];
 /// [`SeparableError::Dense`].
-pub fn factorize(
+pub fn factorize_matrix(
     matrix: &BrdfMatrix,
     params: &SeparableParams,
 ) -> Result<SeparableFit, SeparableError> {
@@ -273,7 +273,7 @@ fn assemble(
 
 /// Textures `[texel, term, channel]` from values at nodes, continued over the texels between.
 fn textures(
-    chart: &Chart,
+    chart: &HemisphereGrid,
     nodes: &[usize],
     rank: usize,
     channels: usize,

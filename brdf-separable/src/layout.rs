@@ -4,7 +4,7 @@ use brdf_param::{DirectionPair, Parametrization};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Chart, SeparableError};
+use crate::{HemisphereGrid, SeparableError};
 
 /// The two sides of a sum of products: charts over the two points that a parametrization makes of a
 /// pair.
@@ -17,14 +17,18 @@ pub struct Layout {
     /// What makes two points of a pair.
     pub parametrization: Parametrization,
     /// Of the first point (wi, or the half vector): rows of the matrix.
-    pub first: Chart,
+    pub first: HemisphereGrid,
     /// Of the second point (wo, or the difference or back vector): columns.
-    pub second: Chart,
+    pub second: HemisphereGrid,
 }
 
 impl Layout {
     /// A layout.
-    pub fn new(parametrization: Parametrization, first: Chart, second: Chart) -> Self {
+    pub fn new(
+        parametrization: Parametrization,
+        first: HemisphereGrid,
+        second: HemisphereGrid,
+    ) -> Self {
         Self { parametrization, first, second }
     }
 

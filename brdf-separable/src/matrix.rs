@@ -7,8 +7,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::chart::Node;
-use crate::{Layout, SeparableBrdf, SeparableError, ValueMap};
+use crate::hemisphere_grid::Node;
+use crate::{Layout, SeparableBrdf, SeparableError, ValueTransform};
 
 /// What stands in cells without data: pairs below the horizon or beyond the grazing limit, holes of
 /// a measurement.
@@ -33,7 +33,7 @@ pub struct MatrixParams {
     /// What stands in cells without data.
     pub fill: Fill,
     /// What is factored of each channel; a missing channel's map is linear.
-    pub maps: [ValueMap; 3],
+    pub maps: [ValueTransform; 3],
     /// p of the weights W M W, W = diag(cosᵖθ), beside the quadrature of the charts.
     pub weight_power: f64,
     /// Most bytes for the matrix and the work on it.
@@ -46,7 +46,7 @@ impl Default for MatrixParams {
             channels: Channels::Rgb,
             theta_max: std::f64::consts::FRAC_PI_2,
             fill: Fill::Edge,
-            maps: [ValueMap::Linear; 3],
+            maps: [ValueTransform::Linear; 3],
             weight_power: 0.0,
             memory_limit: 4 << 30,
         }
@@ -79,7 +79,7 @@ pub struct BrdfMatrix {
     columns: Vec<Node>,
     /// Mapped values of each channel, column-major; f32 since they are many.
     channels: Vec<Vec<f32>>,
-    maps: Vec<ValueMap>,
+    maps: Vec<ValueTransform>,
     /// Whether a cell has data of its own, column-major.
     valid: Vec<bool>,
     /// Square roots of the weights of rows and columns.
@@ -211,7 +211,7 @@ impl BrdfMatrix {
     }
 
     /// What is factored of each channel.
-    pub fn maps(&self) -> &[ValueMap] {
+    pub fn maps(&self) -> &[ValueTransform] {
         &self.maps
     }
 
@@ -392,7 +392,7 @@ impl Cell<'_> {
     fn sample(&self, brdf: &dyn Brdf) -> (Rgb, f64, CellState) {
         let own = self.layout.pair(self.points);
         let (pair, origin) = match own {
-            Some(pair) if pair.wi.z.min(pair.wo.z) > self.limit && brdf.covers(&pair) => {
+            Some(pair) if pair.wi.z.min(pair.wo.z) > self.limit && brdf.has_data(&pair) => {
                 (Some(pair), Origin::Own)
             }
             _ if self.params.fill == Fill::Edge => (self.nearest_with_data(brdf), Origin::Nearest),
@@ -401,7 +401,7 @@ impl Cell<'_> {
         let Some(pair) = pair else {
             return (Rgb::BLACK, own.map_or(0.0, |pair| pair.wi.z), CellState::default());
         };
-        let value = brdf.eval_signed(&pair);
+        let value = brdf.eval_unclamped(&pair);
         let clamped = value.channels().iter().any(|v| *v < 0.0);
         (value.map(|v| v.max(0.0)), pair.wi.z, CellState { origin, clamped })
     }
@@ -416,7 +416,7 @@ impl Cell<'_> {
             .chain(both)
             .filter_map(|points| self.layout.pair(points))
             .map(|pair| pulled_back(&pair, self.params.theta_max))
-            .find(|pair| brdf.covers(pair))
+            .find(|pair| brdf.has_data(pair))
     }
 }
 

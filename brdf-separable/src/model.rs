@@ -3,18 +3,18 @@
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::DirectionPair;
 
-use crate::chart::Taps;
-use crate::{Layout, SeparableError, ValueMap};
+use crate::hemisphere_grid::Taps;
+use crate::{Layout, SeparableError, ValueTransform};
 
 /// f(wi, wo) ≈ Σ_k g_k(a) h_k(b), looked up bilinearly in f32 textures, then taken back through the
 /// value map of each channel.
 ///
 /// Values may come out negative: sums of products with signs ring. [`Brdf::eval`] clamps at 0,
-/// [`Brdf::eval_signed`] does not.
+/// [`Brdf::eval_unclamped`] does not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeparableBrdf {
     layout: Layout,
-    maps: Vec<ValueMap>,
+    maps: Vec<ValueTransform>,
     rank: usize,
     /// Channels of the first textures: all of the model's, or 1 where they are scalar.
     first_channels: usize,
@@ -46,7 +46,7 @@ impl SeparableBrdf {
     /// for parts that do not fit together.
     pub fn new(
         layout: Layout,
-        maps: Vec<ValueMap>,
+        maps: Vec<ValueTransform>,
         rank: usize,
         first: Vec<f32>,
         second: SecondSide,
@@ -94,7 +94,7 @@ impl SeparableBrdf {
     }
 
     /// The value map of each channel.
-    pub fn maps(&self) -> &[ValueMap] {
+    pub fn maps(&self) -> &[ValueTransform] {
         &self.maps
     }
 
@@ -234,10 +234,10 @@ const MOST_ON_STACK: usize = 96;
 
 impl Brdf for SeparableBrdf {
     fn eval(&self, pair: &DirectionPair) -> Rgb {
-        self.eval_signed(pair).map(|v| v.max(0.0))
+        self.eval_unclamped(pair).map(|v| v.max(0.0))
     }
 
-    fn eval_signed(&self, pair: &DirectionPair) -> Rgb {
+    fn eval_unclamped(&self, pair: &DirectionPair) -> Rgb {
         // Written so that NaN directions are not lit either.
         if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             return Rgb::BLACK;

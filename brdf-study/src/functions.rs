@@ -37,7 +37,7 @@ impl TestFunction {
         let half = 0.5 * (pair.wi + pair.wo);
         match self {
             Self::Specular => 1.0 - half.truncate().length(),
-            // cos θd is the length of the unnormalised half vector.
+            // cos θd is the length of the unnormalized half vector.
             Self::Fresnel => 1.0 - half.length(),
             Self::Grazing => 1.0 - pair.wi.z * pair.wo.z,
         }
@@ -46,6 +46,6 @@ impl TestFunction {
 
 impl Brdf for TestFunction {
     fn eval(&self, pair: &DirectionPair) -> Rgb {
-        if self.covers(pair) { Rgb::splat(self.value(pair).max(0.0)) } else { Rgb::BLACK }
+        if self.has_data(pair) { Rgb::splat(self.value(pair).max(0.0)) } else { Rgb::BLACK }
     }
 }

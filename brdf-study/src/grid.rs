@@ -46,7 +46,7 @@ impl Grid {
                     let [u, v, w] = [first, second, azimuth].map(|i| centre(i, size));
                     let cell = (azimuth * size + second) * size + first;
                     let known = pair_at(parametrization, [u, v], PI * w)
-                        .filter(|pair| pair.wi.z > 0.0 && pair.wo.z > 0.0 && brdf.covers(pair))
+                        .filter(|pair| pair.wi.z > 0.0 && pair.wo.z > 0.0 && brdf.has_data(pair))
                         .map(|pair| value(&pair));
                     if let Some(known) = known {
                         waiting.drain(..).for_each(|cell: usize| values[cell] = known);

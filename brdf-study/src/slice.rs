@@ -32,7 +32,7 @@ impl Slice {
             .map(|index| {
                 let [u, v] = [index % size, index / size].map(|i| centre(i, size));
                 let pair = pair_at(parametrization, [u, v], azimuth)?;
-                let lit = pair.wi.z > 0.0 && pair.wo.z > 0.0 && brdf.covers(&pair);
+                let lit = pair.wi.z > 0.0 && pair.wo.z > 0.0 && brdf.has_data(&pair);
                 lit.then(|| brdf.eval(&pair).luminance())
             })
             .collect();

@@ -54,7 +54,7 @@ impl SynthOptions {
 /// Values are π times the reflected radiance for lights of unit irradiance (on a plane that faces
 /// them): they include cosθi, and a white Lambertian plane under a light at the normal gives 1.
 #[derive(Debug)]
-pub struct Scene<'a> {
+pub struct SurfaceScene<'a> {
     field: HeightField,
     lights: Lights,
     surfels: Vec<Surfel>,
@@ -65,7 +65,7 @@ pub struct Scene<'a> {
     options: SynthOptions,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> SurfaceScene<'a> {
     /// Works out shadows and bounces: 352 bytes a texel, and 1.1 kB more with bounces.
     ///
     /// # Errors

@@ -9,7 +9,9 @@
 )]
 
 use brdf_model::{Analytic, Fresnel, Ggx, Lambert, Rgb};
-use btf_synth::{LIGHT_COUNT, Reflectance, Scene, SurfaceMaps, SynthOptions, ubo_directions};
+use btf_synth::{
+    LIGHT_COUNT, Reflectance, SurfaceMaps, SurfaceScene, SynthOptions, ubo_directions,
+};
 
 const DIRECT: SynthOptions = SynthOptions { samples: 16, bounce_rays: 0 };
 
@@ -21,14 +23,14 @@ fn cos_deg(theta_deg: u32) -> f32 {
     f64::from(theta_deg).to_radians().cos() as f32
 }
 
-fn view(scene: &Scene<'_>, index: usize) -> Vec<f32> {
+fn view(scene: &SurfaceScene<'_>, index: usize) -> Vec<f32> {
     let mut images = vec![0.0; LIGHT_COUNT * scene.width() * scene.height() * 3];
     scene.synthesize_view(index, &mut images);
     images
 }
 
 /// Red of a texel.
-fn red(scene: &Scene<'_>, images: &[f32], light: usize, column: usize, row: usize) -> f32 {
+fn red(scene: &SurfaceScene<'_>, images: &[f32], light: usize, column: usize, row: usize) -> f32 {
     images[((light * scene.height() + row) * scene.width() + column) * 3]
 }
 
@@ -51,7 +53,7 @@ fn hills(column: usize, row: usize) -> f32 {
 fn a_white_plane_reflects_the_cosine_to_every_view() {
     let maps = white(2, 3, |_, _| 7.0);
     let options = SynthOptions { samples: 3, bounce_rays: 8 };
-    let scene = Scene::new(&maps, Reflectance::Lambertian, &options).unwrap();
+    let scene = SurfaceScene::new(&maps, Reflectance::Lambertian, &options).unwrap();
     for index in 0..LIGHT_COUNT {
         let images = view(&scene, index);
         for (image, (theta, _)) in images.chunks_exact(18).zip(ubo_directions()) {
@@ -72,7 +74,7 @@ fn a_shifted_tile_gives_shifted_images() {
         white(side, side, |c, r| hills((c + side - across) % side, (r + side - down) % side));
     let scene = |maps| {
         let options = SynthOptions { samples: 16, bounce_rays: 16 };
-        Scene::new(maps, Reflectance::Ggx { f0: 0.04 }, &options).unwrap()
+        SurfaceScene::new(maps, Reflectance::Ggx { f0: 0.04 }, &options).unwrap()
     };
     let (scene, moved) = (scene(&maps), scene(&moved));
     for index in [0, direction(45, 20), direction(75, 285)] {
@@ -99,7 +101,7 @@ fn threads_do_not_change_a_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let options = SynthOptions { samples: 4, bounce_rays: 8 };
-            let scene = Scene::new(&maps, Reflectance::Ggx { f0: 0.04 }, &options).unwrap();
+            let scene = SurfaceScene::new(&maps, Reflectance::Ggx { f0: 0.04 }, &options).unwrap();
             view(&scene, direction(60, 36))
         })
     };
@@ -111,7 +113,7 @@ fn a_wall_throws_a_shadow_away_from_the_light_as_long_as_it_is_high() {
     // Six texels high, over columns 20 to 24 of 48; then the same along rows.
     let wall = |along: usize| if (20..25).contains(&along) { 6.0 } else { 0.0 };
     let maps = white(48, 2, |column, _| wall(column));
-    let scene = Scene::new(&maps, Reflectance::Lambertian, &DIRECT).unwrap();
+    let scene = SurfaceScene::new(&maps, Reflectance::Lambertian, &DIRECT).unwrap();
     let images = view(&scene, 0);
     let lit = |light: usize| -> Vec<bool> {
         (0..48).map(|column| red(&scene, &images, light, column, 0) > 0.3).collect()
@@ -126,7 +128,7 @@ fn a_wall_throws_a_shadow_away_from_the_light_as_long_as_it_is_high() {
 
     // A light above the image (azimuth 90°): the shadow falls below, to larger rows.
     let maps = white(2, 48, |_, row| wall(row));
-    let scene = Scene::new(&maps, Reflectance::Lambertian, &DIRECT).unwrap();
+    let scene = SurfaceScene::new(&maps, Reflectance::Lambertian, &DIRECT).unwrap();
     let images = view(&scene, 0);
     let at = |row| red(&scene, &images, direction(30, 90), 0, row);
     assert!(at(26) == 0.0 && at(30) > 0.8 && at(17) > 0.8, "{} {} {}", at(26), at(30), at(17));
@@ -140,7 +142,7 @@ fn what_stands_out_moves_away_from_the_viewer() {
     let heights = (0..64).map(|t| if is_plateau(t) { 6.0 / 32.0 } else { 0.0 }).collect();
     let albedo = (0..64).map(|t| [f32::from(u8::from(is_line(t))); 3]).collect();
     let maps = SurfaceMaps::new(32, 2, heights, albedo, vec![1.0; 64]).unwrap();
-    let scene = Scene::new(&maps, Reflectance::Lambertian, &DIRECT).unwrap();
+    let scene = SurfaceScene::new(&maps, Reflectance::Lambertian, &DIRECT).unwrap();
     let centroid = |view_index: usize| {
         let images = view(&scene, view_index);
         let row: Vec<f32> = (0..32).map(|c| red(&scene, &images, 0, c, 0)).collect();
@@ -162,7 +164,7 @@ fn one_bounce_brightens_and_no_more_than_doubles() {
     let maps = white(12, 12, hills);
     let scene = |bounce_rays| {
         let options = SynthOptions { samples: 4, bounce_rays };
-        Scene::new(&maps, Reflectance::Lambertian, &options).unwrap()
+        SurfaceScene::new(&maps, Reflectance::Lambertian, &options).unwrap()
     };
     let index = direction(30, 90);
     let (direct, both) = (view(&scene(0), index), view(&scene(64), index));
@@ -179,7 +181,7 @@ fn a_material_in_the_frame_of_the_normal_equals_the_built_in_reflectance() {
     let maps = white(8, 8, |column, row| 0.2 * hills(column, row));
     let scene = |reflectance| {
         let options = SynthOptions { samples: 2, bounce_rays: 0 };
-        Scene::new(&maps, reflectance, &options).unwrap()
+        SurfaceScene::new(&maps, reflectance, &options).unwrap()
     };
     let alpha = f64::from(0.6_f32).powi(2);
     // Nearly a perfect mirror, whose reflectance both Fresnel terms call 1 at every angle.
@@ -202,7 +204,7 @@ fn a_material_in_the_frame_of_the_normal_equals_the_built_in_reflectance() {
 #[test]
 fn options_out_of_range_are_refused() {
     let maps = white(2, 2, |_, _| 0.0);
-    let refused = |reflectance, options| Scene::new(&maps, reflectance, &options).is_err();
+    let refused = |reflectance, options| SurfaceScene::new(&maps, reflectance, &options).is_err();
     assert!(refused(Reflectance::Lambertian, SynthOptions { samples: 0, bounce_rays: 0 }));
     assert!(refused(Reflectance::Lambertian, SynthOptions { samples: 1, bounce_rays: 5000 }));
     assert!(refused(Reflectance::Ggx { f0: f32::NAN }, DIRECT));

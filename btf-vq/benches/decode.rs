@@ -10,8 +10,8 @@
 use std::hint::black_box;
 
 use btf_vq::{
-    AngularGrid, Books, Chroma, Decoder, Encoding, IndexBook, LightQuery, Material, SampledLight,
-    ScaleBits, Taps, TextureInfo, VqModel,
+    AngularGrid, Chroma, Codebooks, Decoder, Encoding, IndexCodebook, LightQuery, Material,
+    SampledLight, ScaleBits, Taps, TextureInfo, VqModel,
 };
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
@@ -36,12 +36,12 @@ impl Noise {
         (self.below(1 << 24) as f64 + 0.5) / f64::from(1 << 24)
     }
 
-    fn book(&mut self, len: usize, rows: usize, target: usize, has_scale: bool) -> IndexBook {
+    fn book(&mut self, len: usize, rows: usize, target: usize, has_scale: bool) -> IndexCodebook {
         let index =
             (0..rows * len).map(|_| u32::try_from(self.below(target)).unwrap_or(0)).collect();
         let scale =
             (0..if has_scale { rows * len } else { 0 }).map(|_| 0.3 + self.unit() as f32).collect();
-        IndexBook { len, index, scale }
+        IndexCodebook { len, index, scale }
     }
 
     fn direction(&mut self) -> DVec3 {
@@ -53,7 +53,7 @@ impl Noise {
 /// Rows of Table 3: P1 10486, P2 66728, C 22, I1 62108, I2 88434, M 95325, P3 20972, P4 1311.
 fn wool(noise: &mut Noise) -> VqModel {
     let grid = AngularGrid::default();
-    let mut books = Books::new(grid, Encoding::Srgb, Chroma::Absolute);
+    let mut books = Codebooks::new(grid, Encoding::Srgb, Chroma::Absolute);
     books.p1.values = (0..10_486 * grid.betas).map(|_| noise.unit() as f32).collect();
     books.p2 = noise.book(grid.alphas, 66_728, 10_486, true);
     books.c.values = (0..22 * 2).map(|_| noise.unit() as f32 - 0.5).collect();
@@ -73,7 +73,7 @@ fn wool(noise: &mut Noise) -> VqModel {
         levels: 1,
     };
     let mut materials = [Material { info, levels }];
-    books.normalise(&mut materials);
+    books.normalize(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::paper(Encoding::Srgb)).expect("sound books")
 }
 

@@ -11,7 +11,9 @@ use crate::bits::index_bits;
 use crate::cluster::cluster_shapes;
 use crate::colour::from_luma_chroma;
 use crate::subspace::products;
-use crate::{AngularGrid, BtfLayout, BtfSource, Encoding, LocalPca, Survey, Taps, VqError};
+use crate::{
+    AngularGrid, BtfLayout, BtfSource, Encoding, LocalPca, ProjectedTexels, Taps, VqError,
+};
 
 /// Texels that are combinations of a few vectors of their group.
 #[derive(Clone, Debug)]
@@ -29,7 +31,7 @@ pub struct Combinations {
 
 impl Combinations {
     /// Local principal components without any rounding.
-    pub fn of_lpca(survey: &Survey, fit: &LocalPca) -> Self {
+    pub fn of_lpca(survey: &ProjectedTexels, fit: &LocalPca) -> Self {
         let components = fit.components();
         let factors = match components {
             0 => vec![1.0; survey.texels()],
@@ -51,7 +53,7 @@ impl Combinations {
     /// # Errors
     ///
     /// [`VqError::Budget`] where not even two codes fit.
-    pub fn one_level(survey: &Survey, bytes: usize) -> Result<Self, VqError> {
+    pub fn one_level(survey: &ProjectedTexels, bytes: usize) -> Result<Self, VqError> {
         let (texels, len) = (survey.texels(), 3 * survey.grid.node_count());
         let size = |codes| codes * len + texels * (index_bits(codes) as usize + 8) / 8;
         let Some(codes) = (2..=texels).take_while(|codes| size(*codes) <= bytes).last() else {
@@ -106,7 +108,7 @@ fn with_mean(coefficients: &[f32]) -> impl Iterator<Item = f32> + '_ {
 }
 
 /// Vectors of a survey's subspace as values `[vector][channel][node]`.
-fn plain(survey: &Survey, vectors: &[f32]) -> Vec<f32> {
+fn plain(survey: &ProjectedTexels, vectors: &[f32]) -> Vec<f32> {
     let mut values = survey.space.lift(vectors);
     let roots = survey.root_weights.iter().cycle();
     values.iter_mut().zip(roots).for_each(|(v, root)| *v /= root);

@@ -2,9 +2,9 @@
 
 use crate::bits::{index_bits, packed_len};
 use crate::model::{Rows, ScaleBits, VALUE_BITS};
-use crate::refined::{BookSizes, encode_refined};
-use crate::survey::Survey;
-use crate::{AngularGrid, Books, Chroma, VqError};
+use crate::projected_texels::ProjectedTexels;
+use crate::refined::{CodebookSizes, encode_refined};
+use crate::{AngularGrid, Chroma, Codebooks, VqError};
 
 /// Bytes of the streams of books of these sizes and so many texels: index of ⌈log₂ rows⌉ bits and scale
 /// for each entry, every stream rounded up to bytes. Two chrominances of 8 bits.
@@ -45,26 +45,26 @@ const TRIAL: usize = 8192;
 ///
 /// If there are no surveys.
 pub fn choose_sizes(
-    surveys: &[Survey],
+    surveys: &[ProjectedTexels],
     bits: &ScaleBits,
     bytes: u64,
-) -> Result<BookSizes, VqError> {
-    let Survey { grid, encoding, .. } = surveys[0];
-    let texels = surveys.iter().map(Survey::texels).sum();
+) -> Result<CodebookSizes, VqError> {
+    let ProjectedTexels { grid, encoding, .. } = surveys[0];
+    let texels = surveys.iter().map(ProjectedTexels::texels).sum();
     let room = Room { grid: &grid, bits, textures: surveys.len(), texels, bytes };
     if grid.phis == 1 {
         return room.sizes(&BRDF_SPLIT, 1.0);
     }
-    let sizes: Vec<BookSizes> =
+    let sizes: Vec<CodebookSizes> =
         SPLITS.iter().map(|split| room.sizes(split, DIFFERENT)).collect::<Result<_, _>>()?;
     if texels <= 2 * TRIAL {
         return Ok(sizes[0]);
     }
     #[expect(clippy::cast_precision_loss, reason = "counts of texels")]
     let share = TRIAL as f64 / texels as f64;
-    let part: Vec<Survey> = surveys.iter().map(|s| s.every(texels / TRIAL)).collect();
+    let part: Vec<ProjectedTexels> = surveys.iter().map(|s| s.every(texels / TRIAL)).collect();
     let trials = SPLITS.iter().zip(&sizes).map(|(split, sizes)| {
-        let empty = Books::new(grid, encoding, Chroma::Relative);
+        let empty = Codebooks::new(grid, encoding, Chroma::Relative);
         let encoded = encode_refined(&part, &sizes.times(share), empty);
         let Rows { m, p3, .. } = Rows::of(&encoded.books);
         #[expect(clippy::cast_precision_loss, reason = "rows of books")]
@@ -89,8 +89,8 @@ struct Room<'a> {
 
 impl Room<'_> {
     /// The sizes of a split that fill the bytes, or hold every slice in fewer.
-    fn sizes(&self, split: &[f64; 4], different: f64) -> Result<BookSizes, VqError> {
-        let taken = |sizes: &BookSizes| {
+    fn sizes(&self, split: &[f64; 4], different: f64) -> Result<CodebookSizes, VqError> {
+        let taken = |sizes: &CodebookSizes| {
             stream_bytes(self.grid, &sizes.rows(self.grid, different), self.bits, self.texels)
         };
         let least = taken(&self.sizes_in(0.0, split, different));
@@ -98,7 +98,7 @@ impl Room<'_> {
             let what = format!("{} texels", self.texels);
             return Err(VqError::Budget { bytes: self.bytes, what, least });
         }
-        // Books that hold every slice already leave their room to others.
+        // Codebooks that hold every slice already leave their room to others.
         #[expect(clippy::cast_precision_loss, reason = "bytes of a file")]
         let (mut low, mut high) = (0.0, 64.0 * self.bytes as f64);
         for _ in 0..50 {
@@ -115,7 +115,7 @@ impl Room<'_> {
         clippy::cast_precision_loss,
         reason = "rows of books"
     )]
-    fn sizes_in(&self, room: f64, split: &[f64; 4], different: f64) -> BookSizes {
+    fn sizes_in(&self, room: f64, split: &[f64; 4], different: f64) -> CodebookSizes {
         let (grid, texels) = (self.grid, self.texels);
         let rows = |share: f64, row_bits: f64, most: usize| {
             ((8.0 * room * share / row_bits) as usize).clamp(4.min(most), most)
@@ -128,15 +128,15 @@ impl Room<'_> {
         let p1 = rows(split[3], grid.betas as f64 * 8.0, grid.alphas * p2);
         if grid.phis == 1 {
             let i1 = (grid.alphas * p2 / 8).clamp(4, 1024);
-            return BookSizes { p4, p3, p2, p1, i2: p2, i1, c: i1.min(256) };
+            return CodebookSizes { p4, p3, p2, p1, i2: p2, i1, c: i1.min(256) };
         }
         let i2 = (p3 / 16).clamp(4, 1024 * self.textures);
         let i1 = (2 * i2).min(256 * self.textures);
-        BookSizes { p4, p3, p2, p1, i2, i1, c: 256.min(64 * self.textures) }
+        CodebookSizes { p4, p3, p2, p1, i2, i1, c: 256.min(64 * self.textures) }
     }
 }
 
-impl BookSizes {
+impl CodebookSizes {
     /// Rows of all books, with a row of M for this share of the views of P3.
     #[expect(
         clippy::cast_possible_truncation,
@@ -150,7 +150,7 @@ impl BookSizes {
         Rows { p1, p2, c, i1, i2, m: m.max(1), p3, p4 }
     }
 
-    /// Books of a share of these sizes; as many colours, so that as many pairs of P2 and I2 differ among
+    /// Codebooks of a share of these sizes; as many colours, so that as many pairs of P2 and I2 differ among
     /// so many views.
     #[expect(
         clippy::cast_possible_truncation,

@@ -6,7 +6,7 @@
 use crate::Encoding;
 
 /// Weight of a squared error in luma, Cb and Cr in the mean squared error of RGB, without the products
-/// of different channels, which average out where channels are quantised apart.
+/// of different channels, which average out where channels are quantized apart.
 pub const RGB_WEIGHTS: [f32; 3] = [1.0, (0.344_136 * 0.344_136 + 1.772 * 1.772) / 3.0, {
     (1.402 * 1.402 + 0.714_136 * 0.714_136) / 3.0
 }];

@@ -5,10 +5,10 @@ use std::array::from_fn;
 use glam::DVec3;
 
 use crate::bits::{PackedEntries, index_bits};
-use crate::books::level_size;
+use crate::codebooks::level_size;
 use crate::colour::from_luma_chroma;
 use crate::sample::Cumulative;
-use crate::{AngularGrid, Chroma, Encoding, LightTaps, Pair, Quantiser, ViewTaps, VqModel};
+use crate::{AngularGrid, Chroma, Encoding, LightTaps, Pair, Quantizer, ViewTaps, VqModel};
 
 /// Where a pair of directions lies in the grid: made once, used for many texels.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -57,7 +57,7 @@ struct ScaledBook<'a> {
 }
 
 impl<'a> ScaledBook<'a> {
-    fn new(bytes: &'a [u8], len: usize, target_rows: usize, scale: &Quantiser) -> Self {
+    fn new(bytes: &'a [u8], len: usize, target_rows: usize, scale: &Quantizer) -> Self {
         let index_bits = index_bits(target_rows);
         Self {
             entries: PackedEntries::new(bytes, index_bits + scale.bits),
@@ -180,7 +180,7 @@ impl VqModel {
             Texture { width, height, p6: ScaledBook::new(bytes, 1, rows.p4, &texture.scale) }
         });
         let m_low_bits = index_bits(rows.p2);
-        let chromas = header.c.map(|quantiser| quantiser.table());
+        let chromas = header.c.map(|quantizer| quantizer.table());
         let colours = self.stream(2).as_chunks::<2>().0.iter();
         let mut decoder = Decoder {
             grid,

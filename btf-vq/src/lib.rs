@@ -8,7 +8,7 @@
 //! that the paper compares with, in bytes.
 //!
 //! A [`BtfSource`] gives texels, a [`Resampler`] brings them to an [`AngularGrid`], an encoder makes
-//! [`Books`], [`VqModel`] holds them packed, and a [`BtfReader`] reads:
+//! [`Codebooks`], [`VqModel`] holds them packed, and a [`BtfReader`] reads:
 //!
 //! ```
 //! use btf_vq::BtfModel;
@@ -27,9 +27,9 @@
 
 pub mod baselines;
 mod bits;
-mod books;
 mod budget;
 mod cluster;
+mod codebooks;
 pub mod colour;
 mod decode;
 mod error;
@@ -39,7 +39,8 @@ mod mip;
 mod model;
 mod nearest;
 mod paper;
-mod quantise;
+mod projected_texels;
+mod quantize;
 mod rbf;
 mod reader;
 mod refined;
@@ -48,12 +49,13 @@ mod sample;
 mod source;
 mod ssim;
 mod subspace;
-mod survey;
 mod texels;
 
 pub use bits::index_bits;
-pub use books::{Books, Chroma, IndexBook, Material, TextureInfo, ValueBook, level_size};
 pub use budget::{choose_sizes, stream_bytes};
+pub use codebooks::{
+    Chroma, Codebooks, IndexCodebook, Material, TextureInfo, ValueBook, level_size,
+};
 pub use decode::{Decoder, Taps};
 pub use error::VqError;
 pub use grid::{AngularGrid, LightParametrization, LightTaps, Pair, ViewTaps};
@@ -62,11 +64,11 @@ pub use mip::Mipped;
 pub use model::{Header, Rows, ScaleBits, SharedBytes, TextureHeader, VqModel};
 pub use nearest::{CodeSet, Match};
 pub use paper::{Measure, PaperParams, encode_paper};
-pub use quantise::{Law, Quantiser};
+pub use projected_texels::{ProjectedTexels, ProjectionParams};
+pub use quantize::{Quantizer, Spacing};
 pub use reader::{BtfModel, BtfReader};
-pub use refined::{BookSizes, Encoded, LevelErrors, encode_refined};
-pub use resample::{BLOCK, Resampler};
+pub use refined::{CodebookSizes, Encoded, LevelErrors, encode_refined};
+pub use resample::{Resampler, TEXEL_BLOCK};
 pub use sample::{LightQuery, LightSampler, SampledLight};
-pub use source::{BtfLayout, BtfSource, Encoding, SourceError, View};
-pub use survey::{Survey, SurveyParams};
+pub use source::{BtfLayout, BtfSource, BtfView, Encoding, SourceError};
 pub use texels::{NodeTable, TexelSet};

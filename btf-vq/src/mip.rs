@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::books::level_size;
+use crate::codebooks::level_size;
 use crate::colour::{linear_to_srgb, srgb_to_linear};
 use crate::{BtfLayout, BtfSource, Encoding, SourceError};
 

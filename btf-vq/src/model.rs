@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::bits::{MAX_ENTRY_BITS, PackedEntries, index_bits, pack, packed_len};
 use crate::{
-    AngularGrid, Books, Chroma, Encoding, IndexBook, Material, Quantiser, TextureInfo, ValueBook,
-    VqError,
+    AngularGrid, Chroma, Codebooks, Encoding, IndexCodebook, Material, Quantizer, TextureInfo,
+    ValueBook, VqError,
 };
 
 /// Rows of the shared books.
@@ -28,7 +28,7 @@ pub struct Rows {
 
 impl Rows {
     /// Of books.
-    pub fn of(books: &Books) -> Self {
+    pub fn of(books: &Codebooks) -> Self {
         Self {
             p1: books.p1.rows(),
             p2: books.p2.rows(),
@@ -49,7 +49,7 @@ pub struct TextureHeader {
     #[serde(flatten)]
     pub info: TextureInfo,
     /// Of the scales of P6.
-    pub scale: Quantiser,
+    pub scale: Quantizer,
 }
 
 /// What the streams mean.
@@ -64,15 +64,15 @@ pub struct Header {
     /// Sizes of the books.
     pub rows: Rows,
     /// Of the values of P1.
-    pub p1: Quantiser,
+    pub p1: Quantizer,
     /// Of the two columns of C.
-    pub c: [Quantiser; 2],
+    pub c: [Quantizer; 2],
     /// Of the scales of P2.
-    pub p2: Quantiser,
+    pub p2: Quantizer,
     /// Of the scales of P3.
-    pub p3: Quantiser,
+    pub p3: Quantizer,
     /// Of the scales of P4.
-    pub p4: Quantiser,
+    pub p4: Quantizer,
     /// The textures.
     pub materials: Vec<TextureHeader>,
 }
@@ -126,7 +126,7 @@ impl Header {
     fn shapes(&self) -> [Shape; 8] {
         let (grid, rows) = (&self.grid, &self.rows);
         let shape = |name, rows, len, entry_bits| Shape { name, rows, len, entry_bits };
-        let indexed = |name, rows, len, target, scale: &Quantiser| {
+        let indexed = |name, rows, len, target, scale: &Quantizer| {
             shape(name, rows, len, index_bits(target) + scale.bits)
         };
         [
@@ -162,11 +162,11 @@ impl Header {
         self.grid.check()?;
         let refuse = |what, found: String, expected| Err(VqError::Header { what, found, expected });
         let scales = self.materials.iter().map(|m| &m.scale);
-        let quantisers = [&self.p1, &self.c[0], &self.c[1], &self.p2, &self.p3, &self.p4];
-        if let Some(bad) = quantisers.into_iter().chain(scales).find(|q| !q.is_sound()) {
-            return refuse("a quantiser", format!("{bad:?}"), "1 to 16 bits of a finite range");
+        let quantizers = [&self.p1, &self.c[0], &self.c[1], &self.p2, &self.p3, &self.p4];
+        if let Some(bad) = quantizers.into_iter().chain(scales).find(|q| !q.is_sound()) {
+            return refuse("a quantizer", format!("{bad:?}"), "1 to 16 bits of a finite range");
         }
-        if let Some(bad) = quantisers[..3].iter().find(|q| q.bits != VALUE_BITS) {
+        if let Some(bad) = quantizers[..3].iter().find(|q| q.bits != VALUE_BITS) {
             return refuse("bits of values", bad.bits.to_string(), "8");
         }
         for material in &self.materials {
@@ -284,13 +284,18 @@ impl VqModel {
     /// # Errors
     ///
     /// [`VqError::Header`] where a book is empty or an entry would need more than 56 bits.
-    pub fn pack(books: &Books, materials: &[Material], bits: ScaleBits) -> Result<Self, VqError> {
-        let quantise = |width: u32, values: &[f32]| {
-            let law = if bits.always_log { Quantiser::logarithmic } else { Quantiser::for_scales };
-            law(width, values)
+    pub fn pack(
+        books: &Codebooks,
+        materials: &[Material],
+        bits: ScaleBits,
+    ) -> Result<Self, VqError> {
+        let quantize = |width: u32, values: &[f32]| {
+            let spacing =
+                if bits.always_log { Quantizer::logarithmic } else { Quantizer::for_scales };
+            spacing(width, values)
         };
         let column = |c: usize| {
-            Quantiser::linear(VALUE_BITS, books.c.values.iter().skip(c).step_by(2).copied())
+            Quantizer::linear(VALUE_BITS, books.c.values.iter().skip(c).step_by(2).copied())
         };
         let header = Header {
             grid: books.grid,
@@ -299,18 +304,18 @@ impl VqModel {
             rows: Rows::of(books),
             // Densities along β are peaks and floors, where radiance is linear.
             p1: match (bits.always_log, books.encoding) {
-                (true, Encoding::Linear) => Quantiser::logarithmic(VALUE_BITS, &books.p1.values),
-                _ => Quantiser::linear(VALUE_BITS, books.p1.values.iter().copied()),
+                (true, Encoding::Linear) => Quantizer::logarithmic(VALUE_BITS, &books.p1.values),
+                _ => Quantizer::linear(VALUE_BITS, books.p1.values.iter().copied()),
             },
             c: [column(0), column(1)],
-            p2: quantise(bits.p2, &books.p2.scale),
-            p3: quantise(bits.p3, &books.p3.scale),
-            p4: quantise(bits.p4, &books.p4.scale),
+            p2: quantize(bits.p2, &books.p2.scale),
+            p3: quantize(bits.p3, &books.p3.scale),
+            p4: quantize(bits.p4, &books.p4.scale),
             materials: materials
                 .iter()
                 .map(|material| TextureHeader {
                     info: material.info.clone(),
-                    scale: quantise(bits.p6, &all_scales(material)),
+                    scale: quantize(bits.p6, &all_scales(material)),
                 })
                 .collect(),
         };
@@ -343,13 +348,13 @@ impl VqModel {
     }
 
     /// The books and textures with the values that their bits hold.
-    pub fn unpack(&self) -> (Books, Vec<Material>) {
+    pub fn unpack(&self) -> (Codebooks, Vec<Material>) {
         let Header { grid, rows, .. } = self.header;
-        let mut books = Books::new(grid, self.header.encoding, self.header.chroma);
+        let mut books = Codebooks::new(grid, self.header.encoding, self.header.chroma);
         let header = &self.header;
         books.p1.values = self.values(0, rows.p1 * grid.betas, |_| &header.p1);
         books.c.values = self.values(2, rows.c * 2, |at| &header.c[at % 2]);
-        let scaled = |book: &mut IndexBook, stream, entries, target, scale: &Quantiser| {
+        let scaled = |book: &mut IndexCodebook, stream, entries, target, scale: &Quantizer| {
             (book.index, book.scale) = self.scaled(stream, entries, target, scale);
         };
         scaled(&mut books.p2, 1, rows.p2 * grid.alphas, rows.p1, &header.p2);
@@ -368,9 +373,9 @@ impl VqModel {
             let lens = material.info.level_lens().enumerate();
             let levels = lens.map(|(level, texels)| {
                 let (index, scale) = self.scaled(stream + level, texels, rows.p4, &material.scale);
-                IndexBook { len: 1, index, scale }
+                IndexCodebook { len: 1, index, scale }
             });
-            let levels: Vec<IndexBook> = levels.collect();
+            let levels: Vec<IndexCodebook> = levels.collect();
             stream += material.info.levels;
             Material { info: material.info.clone(), levels }
         });
@@ -382,10 +387,10 @@ impl VqModel {
         &self,
         stream: usize,
         count: usize,
-        quantiser: impl Fn(usize) -> &'a Quantiser,
+        quantizer: impl Fn(usize) -> &'a Quantizer,
     ) -> Vec<f32> {
-        let entries = PackedEntries::new(self.stream(stream), quantiser(0).bits);
-        (0..count).map(|at| quantiser(at).decode(low_bits(entries.get(at), 32))).collect()
+        let entries = PackedEntries::new(self.stream(stream), quantizer(0).bits);
+        (0..count).map(|at| quantizer(at).decode(low_bits(entries.get(at), 32))).collect()
     }
 
     fn plain(&self, stream: usize, count: usize, bits: u32) -> Vec<u32> {
@@ -398,7 +403,7 @@ impl VqModel {
         stream: usize,
         count: usize,
         target: usize,
-        scale: &Quantiser,
+        scale: &Quantizer,
     ) -> (Vec<u32>, Vec<f32>) {
         let bits = index_bits(target);
         let entries = PackedEntries::new(self.stream(stream), bits + scale.bits);
@@ -419,16 +424,16 @@ fn all_scales(material: &Material) -> Vec<f32> {
     material.levels.iter().flat_map(|level| level.scale.iter().copied()).collect()
 }
 
-fn pack_streams(header: &Header, books: &Books, materials: &[Material]) -> Vec<Vec<u8>> {
+fn pack_streams(header: &Header, books: &Codebooks, materials: &[Material]) -> Vec<Vec<u8>> {
     let rows = &header.rows;
-    let values = |book: &ValueBook, q: &dyn Fn(usize) -> Quantiser| {
+    let values = |book: &ValueBook, q: &dyn Fn(usize) -> Quantizer| {
         let codes = book.values.iter().enumerate().map(|(at, v)| u64::from(q(at).encode(*v)));
         pack(codes, q(0).bits)
     };
-    let plain = |book: &IndexBook, target| {
+    let plain = |book: &IndexCodebook, target| {
         pack(book.index.iter().map(|i| u64::from(*i)), index_bits(target))
     };
-    let scaled = |book: &IndexBook, target, q: &Quantiser| {
+    let scaled = |book: &IndexCodebook, target, q: &Quantizer| {
         let bits = index_bits(target);
         let codes = book.scale.iter().map(|s| u64::from(q.encode(*s)) << bits);
         pack(codes.zip(&book.index).map(|(s, i)| s | u64::from(*i)), bits + q.bits)

@@ -8,9 +8,9 @@
 use rayon::prelude::*;
 
 use crate::nearest::{CodeSet, Match, dot};
+use crate::projected_texels::channel_weights;
 use crate::ssim::{SliceSsim, percentile_98};
-use crate::survey::channel_weights;
-use crate::{AngularGrid, Books, Chroma, IndexBook, Rows, TexelSet, VqError};
+use crate::{AngularGrid, Chroma, Codebooks, IndexCodebook, Rows, TexelSet, VqError};
 
 /// How similar slices are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +109,7 @@ struct Slices {
 #[derive(Debug)]
 struct Encoder {
     grid: AngularGrid,
-    books: Books,
+    books: Codebooks,
     measure: Measure,
     most_p4: usize,
     /// Roots of the weights of the chrominances.
@@ -138,9 +138,9 @@ struct Encoder {
 pub fn encode_paper(
     sets: &[TexelSet<'_>],
     params: &PaperParams,
-    books: Books,
+    books: Codebooks,
     progress: &(dyn Fn(usize) + Sync),
-) -> Result<(Books, Vec<IndexBook>), VqError> {
+) -> Result<(Codebooks, Vec<IndexCodebook>), VqError> {
     for set in sets {
         assert!(
             (&books.grid, books.encoding, books.chroma)
@@ -157,7 +157,7 @@ pub fn encode_paper(
             let skip = if pass == 0 { 0 } else { part(set.len(), PASSES[0].0) };
             let count = part(set.len(), *share);
             let seen = &order[skip.min(order.len())..(skip + count).min(order.len())];
-            for texels in seen.chunks(crate::BLOCK) {
+            for texels in seen.chunks(crate::TEXEL_BLOCK) {
                 encoder.learn(&set.gather(texels)?);
                 progress(texels.len());
             }
@@ -218,7 +218,7 @@ fn radical_inverse(mut index: u32, base: u32) -> f64 {
 
 impl Encoder {
     /// An encoder that goes on from books.
-    fn new(params: &PaperParams, texels: usize, books: Books) -> Self {
+    fn new(params: &PaperParams, texels: usize, books: Codebooks) -> Self {
         let grid = books.grid;
         let (slice, betas) = (grid.slice_len(), grid.betas);
         let three = grid.thetas * slice;
@@ -570,7 +570,7 @@ impl Encoder {
         &self,
         set: &TexelSet<'_>,
         progress: &(dyn Fn(usize) + Sync),
-    ) -> Result<IndexBook, VqError> {
+    ) -> Result<IndexCodebook, VqError> {
         let few = match self.measure {
             Measure::Mse(_) => 1,
             Measure::Ssim(_) => FEW,
@@ -591,13 +591,13 @@ impl Encoder {
             });
             entries.collect::<Vec<Entry>>()
         })?;
-        let mut texture = IndexBook { len: 1, ..IndexBook::default() };
+        let mut texture = IndexCodebook { len: 1, ..IndexCodebook::default() };
         extend(&mut texture, &blocks.concat());
         Ok(texture)
     }
 }
 
-fn extend(book: &mut IndexBook, entries: &[Entry]) {
+fn extend(book: &mut IndexCodebook, entries: &[Entry]) {
     book.index.extend(entries.iter().map(|e| e.row));
     book.scale.extend(entries.iter().map(|e| e.scale));
 }

@@ -1,4 +1,4 @@
-//! Books beyond the paper's: codes are centres of clusters at every level instead of texels that came
+//! Codebooks beyond the paper's: codes are centres of clusters at every level instead of texels that came
 //! first, each level is clustered in the metric of the images, and rows are built from the bottom up
 //! against what the levels below really hold.
 
@@ -10,14 +10,14 @@ use rayon::prelude::*;
 
 use crate::cluster::{Clusters, cluster_shapes, cluster_values};
 use crate::nearest::{CodeSet, Match, dot};
+use crate::projected_texels::{ProjectedTexels, channel_weights};
 use crate::subspace::{Subspace, energies};
-use crate::survey::{Survey, channel_weights};
-use crate::{AngularGrid, Books, Chroma};
+use crate::{AngularGrid, Chroma, Codebooks};
 
 /// Rows of the books that are chosen; M has a row for each pair that occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the books")]
-pub struct BookSizes {
+pub struct CodebookSizes {
     pub p4: usize,
     pub p3: usize,
     pub p2: usize,
@@ -40,15 +40,15 @@ pub struct LevelErrors {
     pub p1: f64,
     /// Of choosing among I2.
     pub i2: f64,
-    /// After all, of all texels, with scales not yet quantised.
+    /// After all, of all texels, with scales not yet quantized.
     pub total: f64,
 }
 
-/// Books and a row of P6 for each texel of a survey.
+/// Codebooks and a row of P6 for each texel of a survey.
 #[derive(Clone, Debug)]
 pub struct Encoded {
     /// The books.
-    pub books: Books,
+    pub books: Codebooks,
     /// Row of P4 of each texel.
     pub index: Vec<u32>,
     /// Its scale.
@@ -77,7 +77,11 @@ const CHUNK: usize = 64;
 /// # Panics
 ///
 /// If there are no surveys, or the books are of another grid or encoding, or hold chrominance itself.
-pub fn encode_refined(surveys: &[Survey], sizes: &BookSizes, mut books: Books) -> Encoded {
+pub fn encode_refined(
+    surveys: &[ProjectedTexels],
+    sizes: &CodebookSizes,
+    mut books: Codebooks,
+) -> Encoded {
     for survey in surveys {
         assert!(
             (books.grid, books.encoding, books.chroma)
@@ -86,7 +90,7 @@ pub fn encode_refined(surveys: &[Survey], sizes: &BookSizes, mut books: Books) -
         );
     }
     let metric = Metric::of(surveys);
-    let texels: usize = surveys.iter().map(Survey::texels).sum();
+    let texels: usize = surveys.iter().map(ProjectedTexels::texels).sum();
     let exemplars: Vec<Exemplars<'_>> = surveys
         .iter()
         .map(|survey| {
@@ -120,7 +124,7 @@ pub fn encode_refined(surveys: &[Survey], sizes: &BookSizes, mut books: Books) -
 
 /// Centres of the texels of a survey, which will have rows of P4.
 struct Exemplars<'a> {
-    survey: &'a Survey,
+    survey: &'a ProjectedTexels,
     /// `[centre][dim]`.
     codes: Vec<f32>,
     /// Weighted energy that each stands for.
@@ -129,7 +133,7 @@ struct Exemplars<'a> {
 }
 
 impl<'a> Exemplars<'a> {
-    fn find(survey: &'a Survey, count: usize, books: &Books) -> Self {
+    fn find(survey: &'a ProjectedTexels, count: usize, books: &Codebooks) -> Self {
         let (dims, weights) = (survey.space.dims, survey.texel_weights());
         let expand = |row: usize, out: &mut [f32]| books.expand_p4(row, out);
         let old = rows_in(&survey.space, 0..books.p4.rows(), &survey.root_weights, &expand);
@@ -195,7 +199,7 @@ struct Metric {
 
 impl Metric {
     #[expect(clippy::cast_precision_loss, reason = "grids are small")]
-    fn of(surveys: &[Survey]) -> Self {
+    fn of(surveys: &[ProjectedTexels]) -> Self {
         let (grid, encoding) = (surveys[0].grid, surveys[0].encoding);
         let (nodes, slice) = (grid.node_count(), grid.slice_len());
         let channels = channel_weights(encoding);
@@ -235,7 +239,12 @@ struct ThreeD {
 }
 
 impl ThreeD {
-    fn cluster(exemplars: &[Exemplars<'_>], metric: &Metric, count: usize, books: &Books) -> Self {
+    fn cluster(
+        exemplars: &[Exemplars<'_>],
+        metric: &Metric,
+        count: usize,
+        books: &Codebooks,
+    ) -> Self {
         let (phis, len) = (metric.grid.phis, metric.root3.len());
         let rows: usize = exemplars.iter().map(Exemplars::len).sum();
         let step = rows.div_ceil(SLICE_SAMPLE / phis + 1).max(1);
@@ -273,7 +282,7 @@ impl ThreeD {
     }
 
     /// Rows of P3: a row of M and a scale for each view.
-    fn build(&self, metric: &Metric, two: &TwoD, books: &mut Books) {
+    fn build(&self, metric: &Metric, two: &TwoD, books: &mut Codebooks) {
         let (grid, slice) = (metric.grid, metric.grid.slice_len());
         let pairs: Vec<[u32; 2]> =
             two.luma.assignment.iter().zip(&two.chroma.assignment).map(|(p, i)| [*p, *i]).collect();
@@ -317,7 +326,12 @@ impl ThreeD {
 }
 
 /// One azimuth of texels given by coefficients of the survey, weighted: `[texel][channel][theta]…`.
-fn slices_of(survey: &Survey, metric: &Metric, coefficients: &[f32], phi: usize) -> Vec<f32> {
+fn slices_of(
+    survey: &ProjectedTexels,
+    metric: &Metric,
+    coefficients: &[f32],
+    phi: usize,
+) -> Vec<f32> {
     let (grid, nodes) = (survey.grid, survey.grid.node_count());
     let part = grid.thetas * grid.slice_len();
     let basis: Vec<f32> = survey
@@ -358,8 +372,8 @@ impl TwoD {
     fn cluster(
         metric: &Metric,
         three: &ThreeD,
-        sizes: &BookSizes,
-        books: &Books,
+        sizes: &CodebookSizes,
+        books: &Codebooks,
         errors: &mut LevelErrors,
     ) -> Self {
         let (grid, slice) = (metric.grid, metric.grid.slice_len());
@@ -415,7 +429,7 @@ impl TwoD {
     }
 
     /// P1, P2, C, I1 and I2.
-    fn build(&self, books: &mut Books) {
+    fn build(&self, books: &mut Codebooks) {
         let grid = books.grid;
         let values = self.slices1.codes.iter().zip(self.metric1.iter().cycle());
         books.p1.values.extend(values.map(|(v, r)| (v / r).max(0.0)));
@@ -444,7 +458,7 @@ fn luma_slices(
     root2: &[f32],
     weights: &[f32],
     count: usize,
-    books: &Books,
+    books: &Codebooks,
 ) -> Clusters {
     let len = root2.len();
     if count >= weights.len() {
@@ -547,7 +561,12 @@ fn by_node(grid: AngularGrid, values: &[f32]) -> Vec<f32> {
 }
 
 /// New rows of P4: for each azimuth of each centre the row of P3, as it really is, that fits best.
-fn choose_p3(exemplars: &[Exemplars<'_>], metric: &Metric, space: &Subspace, books: &mut Books) {
+fn choose_p3(
+    exemplars: &[Exemplars<'_>],
+    metric: &Metric,
+    space: &Subspace,
+    books: &mut Codebooks,
+) {
     let phis = metric.grid.phis;
     let expand = |row: usize, out: &mut [f32]| books.expand_p3(row, out);
     let rows = rows_in(space, 0..books.p3.rows(), &metric.root3, &expand);
@@ -570,7 +589,12 @@ fn choose_p3(exemplars: &[Exemplars<'_>], metric: &Metric, space: &Subspace, boo
 
 /// The best row of P4, as it really is, for each texel, with the scale for it as gain: among `old` ones
 /// at the start and those that were made for the survey.
-fn choose_p4(survey: &Survey, old: usize, own: Range<usize>, books: &Books) -> Vec<Match> {
+fn choose_p4(
+    survey: &ProjectedTexels,
+    old: usize,
+    own: Range<usize>,
+    books: &Codebooks,
+) -> Vec<Match> {
     let (space, roots) = (&survey.space, &survey.root_weights);
     let expand = |row: usize, out: &mut [f32]| books.expand_p4(row, out);
     let between = own.start - old;

@@ -15,7 +15,7 @@ use crate::rbf::DirectionRbf;
 use crate::{AngularGrid, BtfLayout, BtfSource, Encoding, Taps, VqError};
 
 /// Texels that go through the matrices together, as 192 columns; the block of the sources' stores.
-pub const BLOCK: usize = 64;
+pub const TEXEL_BLOCK: usize = 64;
 /// Directions closer than this, as a distance of unit vectors, are one: 0.01°, since file names give
 /// whole or tenths of degrees.
 const SAME_DIRECTION: f64 = 1.8e-4;
@@ -118,11 +118,11 @@ impl Resampler {
         texels: Range<usize>,
         f: impl Fn(Range<usize>, &mut [f32]) -> T + Sync,
     ) -> Result<(Vec<T>, u64), VqError> {
-        let starts: Vec<usize> = texels.clone().step_by(BLOCK).collect();
+        let starts: Vec<usize> = texels.clone().step_by(TEXEL_BLOCK).collect();
         let blocks: Result<Vec<(T, u64)>, VqError> = starts
             .into_par_iter()
             .map_init(Workspace::default, |workspace, start| {
-                let block = start..texels.end.min(start + BLOCK);
+                let block = start..texels.end.min(start + TEXEL_BLOCK);
                 workspace.images.resize(self.image_count * 3 * block.len(), 0.0);
                 source
                     .read_texels(block.clone(), &mut workspace.images)
@@ -143,7 +143,7 @@ impl Resampler {
     /// [`VqError::Source`]; [`VqError::NotFinite`].
     pub fn gather(&self, source: &dyn BtfSource, texels: &[usize]) -> Result<Vec<f32>, VqError> {
         let blocks: Result<Vec<Vec<f32>>, VqError> = texels
-            .par_chunks(BLOCK)
+            .par_chunks(TEXEL_BLOCK)
             .map_init(Workspace::default, |workspace, block| {
                 let columns = 3 * block.len();
                 workspace.images.resize(self.image_count * columns, 0.0);

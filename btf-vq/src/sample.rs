@@ -1,6 +1,6 @@
 //! Importance sampling: light directions for a view, distributed as the luminance that is stored.
 //!
-//! Source: Havran, Filip and Myszkowski 2010, section 5.2. Between nodes of the view the density is
+//! Source: Havran, Filip and Myszkowski 2010, section 5.2. Between nodes of the view the pdf is
 //! that of the interpolated texel: a node is drawn by its share, then α from the marginal of its slice
 //! and β along it, both by inverting piecewise linear densities.
 
@@ -76,7 +76,7 @@ impl LightSampler {
         total.is_nan() || total <= 0.0
     }
 
-    /// A unit direction to the light and its density per steradian, from two numbers in [0, 1);
+    /// A unit direction to the light and its pdf per steradian, from two numbers in [0, 1);
     /// distributed by the cosine where the texel is black.
     pub fn sample(&self, u1: f64, u2: f64) -> (DVec3, f64) {
         if self.is_dark() {
@@ -102,9 +102,9 @@ impl LightSampler {
         (wi, f64::from(luminance / total) / self.grid.cell_solid_angle())
     }
 
-    /// The density, per steradian, with which [`LightSampler::sample`] gives a unit direction of the
+    /// The pdf, per steradian, with which [`LightSampler::sample`] gives a unit direction of the
     /// upper hemisphere.
-    pub fn density(&self, wi: DVec3) -> f64 {
+    pub fn pdf(&self, wi: DVec3) -> f64 {
         if wi.z < 0.0 {
             return 0.0;
         }
@@ -238,7 +238,7 @@ pub struct SampledLight {
     /// Unit direction.
     pub wi: DVec3,
     /// Per steradian.
-    pub density: f64,
+    pub pdf: f64,
 }
 
 impl Decoder<'_> {
@@ -290,12 +290,12 @@ impl Decoder<'_> {
                 let values = nodes[q]
                     .iter()
                     .map(|(p2, weight)| weight * self.slice_luminance(*p2, nodes_below, parts));
-                let density = f64::from(values.sum::<f32>() / total) * self.cells_per_steradian;
+                let pdf = f64::from(values.sum::<f32>() / total) * self.cells_per_steradian;
                 let wi = direction(self.grid(), nodes_below, parts, taps[q].1, u[1]);
-                SampledLight { wi, density }
+                SampledLight { wi, pdf }
             } else {
-                let (wi, density) = self.light_sampler(0, texel, wo).sample(u[0], u[1]);
-                SampledLight { wi, density }
+                let (wi, pdf) = self.light_sampler(0, texel, wo).sample(u[0], u[1]);
+                SampledLight { wi, pdf }
             };
         }
         lights

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::BLOCK;
+use crate::TEXEL_BLOCK;
 
 /// What the numbers of a BTF mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub enum Encoding {
 
 /// A viewing direction and the lights under which it was seen.
 #[derive(Clone, Debug, PartialEq)]
-pub struct View {
+pub struct BtfView {
     /// Unit direction to the viewer, z along the normal of the sample plane.
     pub wo: DVec3,
     /// Unit directions to the lights, as they really stood; they need not be those of other views.
@@ -34,7 +34,7 @@ pub struct BtfLayout {
     /// Rows; the first is the one with the largest y, as in an image seen from above.
     pub height: usize,
     /// Views in the order of the images.
-    pub views: Vec<View>,
+    pub views: Vec<BtfView>,
     /// What the numbers mean.
     pub encoding: Encoding,
     /// Whether values contain the cosine of the light's polar angle.
@@ -95,7 +95,7 @@ pub trait BtfSource: Sync {
     fn read_image(&self, image: usize, out: &mut [f32]) -> Result<(), SourceError> {
         let layout = self.layout();
         let mut block = Vec::new();
-        for (first, out) in (0..).step_by(BLOCK).zip(out.chunks_mut(3 * BLOCK)) {
+        for (first, out) in (0..).step_by(TEXEL_BLOCK).zip(out.chunks_mut(3 * TEXEL_BLOCK)) {
             block.resize(layout.image_count() * out.len(), 0.0);
             self.read_texels(first..first + out.len() / 3, &mut block)?;
             out.copy_from_slice(&block[image * out.len()..][..out.len()]);

@@ -4,7 +4,7 @@
 //! Visibility to Structural Similarity", IEEE Transactions on Image Processing 13(4), 2004; the window
 //! lies in the angular domain, 5 × 5 nodes of (α, β) or 5 along β, mirrored at the rim.
 
-/// Stabilising constants for values in [0, 1].
+/// Stabilizing constants for values in [0, 1].
 const C1: f32 = 0.01 * 0.01;
 const C2: f32 = 0.03 * 0.03;
 /// Nodes on either side of the window's centre.

@@ -7,10 +7,10 @@ mod support;
 use std::sync::Arc;
 
 use btf_vq::{
-    AngularGrid, BookSizes, Books, Chroma, CodeSet, Encoded, Encoding, IndexBook,
-    LightParametrization, LpcaModel, Material, Measure, NodeTable, PaperParams, Resampler,
-    ScaleBits, Survey, SurveyParams, Taps, TexelSet, TextureInfo, VqError, VqModel, choose_sizes,
-    colour, encode_paper, encode_refined, fit_lpca,
+    AngularGrid, Chroma, CodeSet, CodebookSizes, Codebooks, Encoded, Encoding, IndexCodebook,
+    LightParametrization, LpcaModel, Material, Measure, NodeTable, PaperParams, ProjectedTexels,
+    ProjectionParams, Resampler, ScaleBits, Taps, TexelSet, TextureInfo, VqError, VqModel,
+    choose_sizes, colour, encode_paper, encode_refined, fit_lpca,
 };
 use glam::DVec3;
 use proptest::prelude::*;
@@ -18,21 +18,22 @@ use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use support::{Formula, empty, info, material, resampler};
 
-const SIZES: BookSizes = BookSizes { p4: 48, p3: 200, p2: 200, p1: 120, i2: 16, i1: 16, c: 8 };
+const SIZES: CodebookSizes =
+    CodebookSizes { p4: 48, p3: 200, p2: 200, p1: 120, i2: 16, i1: 16, c: 8 };
 
-fn survey(source: &Formula, resampler: &Resampler) -> Survey {
+fn survey(source: &Formula, resampler: &Resampler) -> ProjectedTexels {
     let sets = [TexelSet::Images { source, resampler }];
-    Survey::of(&sets, SurveyParams { dims: 40, sample: 128 }, &|_| {}).unwrap()
+    ProjectedTexels::of(&sets, ProjectionParams { dims: 40, sample: 128 }, &|_| {}).unwrap()
 }
 
 fn refined(source: &Formula) -> VqModel {
     let resampler = resampler(source);
     let encoded =
         encode_refined(&[survey(source, &resampler)], &SIZES, empty(source, Chroma::Relative));
-    let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
+    let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(source, texture)];
-    books.normalise(&mut materials);
+    books.normalize(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::refined(books.encoding)).unwrap()
 }
 
@@ -44,7 +45,7 @@ fn paper(source: &Formula, measure: Measure) -> VqModel {
     let (mut books, textures) =
         encode_paper(&sets, &params, empty(source, Chroma::Absolute), &|_| {}).unwrap();
     let mut materials: Vec<_> = textures.into_iter().map(|t| material(source, t)).collect();
-    books.normalise(&mut materials);
+    books.normalize(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::paper(Encoding::Srgb)).unwrap()
 }
 
@@ -56,7 +57,7 @@ fn lpca(source: &Formula) -> LpcaModel {
 }
 
 /// Rows and scales of a texture.
-fn entries(texture: &IndexBook) -> impl Iterator<Item = (usize, f32)> {
+fn entries(texture: &IndexCodebook) -> impl Iterator<Item = (usize, f32)> {
     texture.index.iter().zip(&texture.scale).map(|(row, scale)| (*row as usize, *scale))
 }
 
@@ -142,8 +143,8 @@ fn slices_of_unpacked_books_have_unit_integrals() {
     let encoded =
         encode_refined(&[survey(&source, &resampler)], &SIZES, empty(&source, Chroma::Relative));
     let mut books = encoded.books;
-    let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
-    books.normalise(&mut [material(&source, texture)]);
+    let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
+    books.normalize(&mut [material(&source, texture)]);
     let weights: Vec<f32> = AngularGrid::trapezoid(11).collect();
     for row in 0..books.p2.rows() {
         let mut slice = vec![0.0; 121];
@@ -186,7 +187,7 @@ fn images_runs_and_batches_are_single_texels() {
 }
 
 /// The first rows of a book are those of another.
-fn starts_with(book: &IndexBook, start: &IndexBook) -> bool {
+fn starts_with(book: &IndexCodebook, start: &IndexCodebook) -> bool {
     book.index.starts_with(&start.index)
 }
 
@@ -198,15 +199,15 @@ fn books_grow_without_changing_the_rows_they_have() {
     let sets = [TexelSet::Images { source: &second, resampler: &second_resampler }];
 
     let (books, mut materials) = refined(&first).unpack();
-    let sizes = BookSizes { p4: 16, p3: 40, p2: 30, p1: 20, i2: 4, i1: 4, c: 4 };
+    let sizes = CodebookSizes { p4: 16, p3: 40, p2: 30, p1: 20, i2: 4, i1: 4, c: 4 };
     let added = encode_refined(&[survey(&second, &second_resampler)], &sizes, books.clone());
-    let texture = IndexBook { len: 1, index: added.index, scale: added.scale };
+    let texture = IndexCodebook { len: 1, index: added.index, scale: added.scale };
     assert!(starts_with(&added.books.p4, &books.p4) && starts_with(&added.books.m, &books.m));
     assert!(starts_with(&added.books.p2, &books.p2) && starts_with(&added.books.i2, &books.i2));
     assert!(added.books.p3.rows() <= books.p3.rows() + 40);
     materials.push(material(&second, texture));
     let mut grown = added.books;
-    grown.normalise(&mut materials);
+    grown.normalize(&mut materials);
     let both = VqModel::pack(&grown, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap();
 
     let (books, mut materials) = paper(&first, Measure::Mse(0.001)).unpack();
@@ -215,7 +216,7 @@ fn books_grow_without_changing_the_rows_they_have() {
     assert!(starts_with(&grown.p4, &books.p4) && starts_with(&grown.m, &books.m));
     assert!(grown.p1.values.starts_with(&books.p1.values));
     materials.extend(textures.into_iter().map(|texture| material(&second, texture)));
-    grown.normalise(&mut materials);
+    grown.normalize(&mut materials);
     let published = VqModel::pack(&grown, &materials, ScaleBits::paper(Encoding::Srgb)).unwrap();
 
     for (model, limits) in [(both, [0.036, 0.03]), (published, [0.1, 0.1])] {
@@ -231,7 +232,7 @@ fn books_grow_without_changing_the_rows_they_have() {
 fn textures_share_all_books_but_rows_of_p4() {
     let sources = [Formula::new(12, 0.2, Encoding::Srgb), Formula::new(8, 0.0, Encoding::Srgb)];
     let surveys = sources.each_ref().map(|source| survey(source, &resampler(source)));
-    let sizes = BookSizes { p4: 65, ..SIZES };
+    let sizes = CodebookSizes { p4: 65, ..SIZES };
     let Encoded { mut books, index, scale, .. } =
         encode_refined(&surveys, &sizes, empty(&sources[0], Chroma::Relative));
     // 144 and 64 texels share 65 rows in proportion.
@@ -241,10 +242,10 @@ fn textures_share_all_books_but_rows_of_p4() {
     let textures = [(first, &scale[..144]), (second, &scale[144..])];
     let mut materials = [0, 1].map(|at| {
         let (index, scale) = textures[at];
-        let texture = IndexBook { len: 1, index: index.to_vec(), scale: scale.to_vec() };
+        let texture = IndexCodebook { len: 1, index: index.to_vec(), scale: scale.to_vec() };
         material(&sources[at], texture)
     });
-    books.normalise(&mut materials);
+    books.normalize(&mut materials);
     let model = VqModel::pack(&books, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap();
     for (at, source) in sources.iter().enumerate() {
         let decoder = model.decoder(at).unwrap();
@@ -272,12 +273,13 @@ fn tabulated_brdfs_are_texels_too() {
     assert!(table.push(|_, _| [f32::NAN; 3]).is_err());
     assert_eq!(table.len(), 3);
     let surveys =
-        [Survey::of(&[TexelSet::Nodes(&table)], SurveyParams::default(), &|_| {}).unwrap()];
+        [ProjectedTexels::of(&[TexelSet::Nodes(&table)], ProjectionParams::default(), &|_| {})
+            .unwrap()];
     let bits = ScaleBits::refined(Encoding::Linear);
     let sizes = choose_sizes(&surveys, &bits, 100_000).unwrap();
-    let empty = Books::new(grid, Encoding::Linear, Chroma::Relative);
+    let empty = Codebooks::new(grid, Encoding::Linear, Chroma::Relative);
     let encoded = encode_refined(&surveys, &sizes, empty);
-    let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
+    let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
     let info = TextureInfo {
         name: "three".to_owned(),
         width: 3,
@@ -287,7 +289,7 @@ fn tabulated_brdfs_are_texels_too() {
     };
     let mut materials_packed = [Material { info, levels: vec![texture] }];
     let mut books = encoded.books;
-    books.normalise(&mut materials_packed);
+    books.normalize(&mut materials_packed);
     let model = VqModel::pack(&books, &materials_packed, bits).unwrap();
     let decoder = model.decoder(0).unwrap();
     for (texel, (colour, power)) in materials.into_iter().enumerate() {

@@ -1,12 +1,12 @@
-//! Importance sampling against its density, and the density against 1.
+//! Importance sampling against its pdf, and the pdf against 1.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod support;
 
 use btf_vq::{
-    BookSizes, Chroma, Encoding, IndexBook, LightQuery, SampledLight, ScaleBits, Survey,
-    SurveyParams, TexelSet, VqModel, encode_refined,
+    Chroma, CodebookSizes, Encoding, IndexCodebook, LightQuery, ProjectedTexels, ProjectionParams,
+    SampledLight, ScaleBits, TexelSet, VqModel, encode_refined,
 };
 use glam::DVec3;
 use support::{Formula, empty, material, resampler};
@@ -15,14 +15,14 @@ fn model() -> VqModel {
     let source = Formula::new(8, 0.4, Encoding::Srgb);
     let resampler = resampler(&source);
     let sets = [TexelSet::Images { source: &source, resampler: &resampler }];
-    let params = SurveyParams { dims: 40, sample: 64 };
-    let surveys = [Survey::of(&sets, params, &|_| {}).unwrap()];
-    let sizes = BookSizes { p4: 32, p3: 100, p2: 100, p1: 80, i2: 8, i1: 8, c: 8 };
+    let params = ProjectionParams { dims: 40, sample: 64 };
+    let surveys = [ProjectedTexels::of(&sets, params, &|_| {}).unwrap()];
+    let sizes = CodebookSizes { p4: 32, p3: 100, p2: 100, p1: 80, i2: 8, i1: 8, c: 8 };
     let encoded = encode_refined(&surveys, &sizes, empty(&source, Chroma::Relative));
-    let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
+    let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(&source, texture)];
-    books.normalise(&mut materials);
+    books.normalize(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap()
 }
 
@@ -42,8 +42,8 @@ fn bin(wi: DVec3) -> usize {
     ring * SECTORS + ((turn * SECTORS as f64) as usize).min(SECTORS - 1)
 }
 
-/// Share of each bin by quadrature of the density.
-fn shares(density: &dyn Fn(DVec3) -> f64) -> Vec<f64> {
+/// Share of each bin by quadrature of the pdf.
+fn shares(pdf: &dyn Fn(DVec3) -> f64) -> Vec<f64> {
     let mut shares = vec![0.0; RINGS * SECTORS];
     let (rings, sectors) = (480_u32, 960_u32);
     for ring in 0..rings {
@@ -53,7 +53,7 @@ fn shares(density: &dyn Fn(DVec3) -> f64) -> Vec<f64> {
             let planar = (1.0 - z * z).sqrt();
             let wi = DVec3::new(planar * phi.cos(), planar * phi.sin(), z);
             let area = std::f64::consts::TAU / f64::from(rings * sectors);
-            shares[bin(wi)] += density(wi) * area;
+            shares[bin(wi)] += pdf(wi) * area;
         }
     }
     shares
@@ -89,9 +89,9 @@ fn samples_follow_their_density_and_it_integrates_to_one() {
     for (texel, theta, phi) in [(0, 0.0, 0.0), (9, 0.5, 1.0), (18, 1.0, 2.5), (27, 1.3, 4.0)] {
         let wo = brdf_param::spherical_direction(theta, phi);
         let sampler = decoder.light_sampler(0, texel, wo);
-        let shares = shares(&|wi| sampler.density(wi));
+        let shares = shares(&|wi| sampler.pdf(wi));
         let total: f64 = shares.iter().sum();
-        assert!((total - 1.0).abs() < 2e-3, "texel {texel}: the density integrates to {total}");
+        assert!((total - 1.0).abs() < 2e-3, "texel {texel}: the pdf integrates to {total}");
 
         let mut tabulated = vec![0.0; shares.len()];
         let mut mixed = vec![0.0; shares.len()];
@@ -100,13 +100,13 @@ fn samples_follow_their_density_and_it_integrates_to_one() {
         let mut lights = vec![SampledLight::default(); queries.len()];
         decoder.sample_lights(&queries, &mut lights);
         for (LightQuery { u: [u1, u2], .. }, drawn) in queries.into_iter().zip(lights) {
-            let (wi, density) = sampler.sample(u1, u2);
-            assert!((density - sampler.density(wi)).abs() < 1e-3 * (1.0 + density), "{wi}");
+            let (wi, pdf) = sampler.sample(u1, u2);
+            assert!((pdf - sampler.pdf(wi)).abs() < 1e-3 * (1.0 + pdf), "{wi}");
             tabulated[bin(wi)] += 1.0;
             assert!(
-                (drawn.density - sampler.density(drawn.wi)).abs() < 1e-2 * (0.1 + drawn.density),
+                (drawn.pdf - sampler.pdf(drawn.wi)).abs() < 1e-2 * (0.1 + drawn.pdf),
                 "texel {texel}: {drawn:?} {}",
-                sampler.density(drawn.wi)
+                sampler.pdf(drawn.wi)
             );
             mixed[bin(drawn.wi)] += 1.0;
         }

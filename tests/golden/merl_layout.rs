@@ -24,7 +24,7 @@ fn cells_hold_the_material_at_their_centres() {
         let (mut errors, mut count) = (0_u32, 0_u32);
         for index in (0..MerlTable::CELLS).step_by(61) {
             let pair = MerlTable::cell_pair(index);
-            if !cells.covers(&pair) {
+            if !cells.has_data(&pair) {
                 continue;
             }
             let brdf = material.measured.brdf();

@@ -4,9 +4,9 @@
 use brdf_model::{Analytic, Brdf, Fresnel, Ggx, Rgb};
 use brdf_param::DirectionPair;
 use brdf_relight::{
-    BrdfMaps, Codec, CubeLight, LightMaps, LightRule, LightSampler, MapParams, Occluder, Part,
-    Precomputation, PrecomputeParams, Quality, RelitScene, Shot, Surface, exact_part,
-    factor_for_relighting, picture,
+    BrdfMaps, Codec, CubeLight, CubeLightSampler, LightMaps, LightRule, MapParams, Occluder, Part,
+    Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface, exact_part,
+    factor_for_relighting, render,
 };
 use brdf_render::{Camera, Environment, Film, Mesh, Pixel, Soup};
 use glam::DVec3;
@@ -48,7 +48,7 @@ fn light() -> CubeLight {
         [channel(0.2, 0.3, 6.0), channel(0.22, 0.4, 5.0), channel(0.25, 0.6, 3.5)]
     });
     let environment = Environment::new(width, height, texels.collect()).unwrap();
-    LightSampler::default().light(&environment, 0.0)
+    CubeLightSampler::default().light(&environment, 0.0)
 }
 
 /// Ground beneath the torus, finer where its shadow falls.
@@ -93,7 +93,7 @@ fn a_relit_torus_is_what_mitsuba_renders() {
     let (occluder, metal, light) = (Occluder::of(&mesh), metal(), light());
     let eye = DVec3::new(1.2, 3.0, 4.2);
     let camera = Camera::looking_at(eye, DVec3::ZERO, DVec3::Y, 40_f64.to_radians()).unwrap();
-    let shot = Shot { camera, size: SIZE, points: 4 };
+    let shot = RenderParams { camera, size: SIZE, points: 4 };
 
     let fit =
         MapParams { rank: 16, light_maps: LightMaps::Joint, resolution: 48, weight_power: 0.0 };
@@ -106,7 +106,7 @@ fn a_relit_torus_is_what_mitsuba_renders() {
     let parts = [part(Surface::of(&mesh), maps), part(ground(), BrdfMaps::diffuse(0.35))];
     let mut relit = RelitScene::default();
     relit.relight(&parts, &light.coefficients(LightRule::Energy));
-    let (error, count) = apart(&picture(&parts, &relit, &shot).0);
+    let (error, count) = apart(&render(&parts, &relit, &shot).0);
     assert!(count > SIZE * SIZE * 9 / 10, "{count} pixels");
     assert!(error < 0.022, "16 terms of clusters: {error}");
 
@@ -121,6 +121,6 @@ fn a_relit_torus_is_what_mitsuba_renders() {
             part
         })
         .collect();
-    let (error, _) = apart(&picture(&parts, &exact, &shot).0);
+    let (error, _) = apart(&render(&parts, &exact, &shot).0);
     assert!(error < 0.01, "brute force at vertices: {error}");
 }

@@ -2,7 +2,7 @@
 //! the same input gives the same bits.
 
 use brdf_factor::{
-    Coordinate, FactorParams, FactorSpec, FactoredBrdf, LogMap, Solver, TermSolve, Weight,
+    Coordinate, FactorParams, FactorSpec, FactoredBrdf, LogTransform, Solver, TermSolve, Weight,
     factorize, factorize_terms,
 };
 use brdf_model::{
@@ -91,7 +91,7 @@ fn planted_factors_come_back() {
     let seen = samples("lafortune-clay", 20_000, Channels::Rgb);
     let planted = factorize(&seen, &FactorSpec::mccool(true), &small()).unwrap().model;
     let product = SampleSet::draw(&planted, &sampling(20_000), Channels::Rgb);
-    let params = FactorParams { smoothing: 1e-9, log_map: LogMap::Log, ..small() };
+    let params = FactorParams { smoothing: 1e-9, log_map: LogTransform::Log, ..small() };
     let fit = factorize(&product, &FactorSpec::mccool(true), &params).unwrap();
     let errors = measure(&product, &fit.model, &log_offsets(&product));
     assert!(errors.log.mean_square < 1e-6, "{errors:?}");
@@ -160,7 +160,7 @@ fn models() -> Vec<(String, FactoredBrdf)> {
         .into_iter()
         .map(|(name, specs)| (name, factorize(&training, &specs, &small()).unwrap().model))
         .collect();
-    for log_map in [LogMap::Log, LogMap::Highlight] {
+    for log_map in [LogTransform::Log, LogTransform::Highlight] {
         let params = FactorParams { log_map, ..small() };
         let fit = factorize(&training, &FactorSpec::mccool(true), &params).unwrap();
         all.push((format!("{log_map:?}"), fit.model));

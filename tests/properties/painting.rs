@@ -8,7 +8,7 @@ use brdf_io::{
 };
 use brdf_model::{Channels, PairSampling, Preset, SampleSet};
 use brdf_paint::{
-    BlendedTruth, Mode, PaintParams, PaintSamples, SolverChoice, ViewBuffers, extract, vertex_views,
+    GroundTruth, Mode, PaintParams, PaintSamples, SolverChoice, ViewBuffers, extract, vertex_views,
 };
 use brdf_param::DirectionPair;
 use brdf_render::{
@@ -20,7 +20,7 @@ use proptest::prelude::*;
 fn painted_file() -> PaintedFile {
     let mesh = Mesh::new(Soup::torus()).unwrap().0.with_sphere_coordinates();
     let brdf = Preset::ALL[0].brdf();
-    let truth = BlendedTruth { brdfs: [&brdf; 3], scale: 1.0 };
+    let truth = GroundTruth { brdfs: [&brdf; 3], scale: 1.0 };
     let mut samples = PaintSamples::new();
     for (at, view) in vertex_views(&mesh)[..2].iter().enumerate() {
         let buffers = ViewBuffers::of(&mesh, view, 16, 16);

@@ -16,8 +16,8 @@ use brdf_model::{
 };
 use brdf_param::{HemisphereMap, Parametrization};
 use brdf_separable::{
-    BrdfMatrix, Chart, Decomposition, EigenSolver, Fill, Layout, MatrixParams, SeparableParams,
-    factorize as decompose,
+    BrdfMatrix, Decomposition, EigenSolver, Fill, HemisphereGrid, Layout, MatrixParams,
+    SeparableParams, factorize as decompose,
 };
 use brdf_tests::data_file;
 use proptest::prelude::*;
@@ -64,7 +64,7 @@ fn model_file() -> ModelFile {
 
 /// Sums of products: textures on both sides, scalar ones on the first, and shared ones with signs.
 fn separable_files() -> Vec<SeparableFile> {
-    let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution: 4 };
+    let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 4 };
     let layout = Layout::new(Parametrization::Standard, chart, chart);
     let brdf = Preset::find("red-plastic").unwrap().brdf();
     let matrix = BrdfMatrix::sample(&brdf, &layout, &MatrixParams::default()).unwrap();

@@ -4,7 +4,7 @@
 use brdf_io::{RelightRecord, chunk_from_bytes, chunk_to_bytes, parse_relight, relight_to_bytes};
 use brdf_relight::{
     BrdfMaps, Chunk, Codec, CubeLight, LightMaps, LightRule, MapParams, Occluder, Part,
-    Precomputation, PrecomputeParams, Quality, RelitScene, Shot, Surface, picture,
+    Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface, render,
 };
 use brdf_render::{Camera, Mesh, Soup};
 use glam::DVec3;
@@ -40,7 +40,7 @@ fn use_transport(bytes: &[u8]) -> bool {
     let mut relit = RelitScene::default();
     relit.relight(&file.parts, &CubeLight::uniform([1.0; 3]).coefficients(LightRule::All));
     let camera = Camera::around(DVec3::ZERO, 2.0, DVec3::new(0.6, 0.0, 0.8));
-    let (film, _) = picture(&file.parts, &relit, &Shot { camera, size: 4, points: 1 });
+    let (film, _) = render(&file.parts, &relit, &RenderParams { camera, size: 4, points: 1 });
     film.pixels().len() == 16
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use brdf_factor::{FactorParams, FactorSpec, LogMap, Problem, factorize, factorize_terms};
+use brdf_factor::{FactorParams, FactorSpec, LogTransform, Problem, factorize, factorize_terms};
 use brdf_model::{Brdf, Channels, PairSampling, Preset, SampleSet, log_offsets, measure};
 use brdf_param::{DirectionPair, Projection, Space};
 use brdf_search::{
@@ -179,7 +179,8 @@ fn planted_projections_are_found_again() {
     let planted = factorize(&seen, &specs, &smooth).unwrap().model;
     let product = SampleSet::draw(&planted, &sampling(8_000, 2), Channels::Luminance);
     let family = Family::new(Space::Standard, true);
-    let fine = FactorParams { texture_size: 16, smoothing: 1e-6, log_map: LogMap::Log, ..params() };
+    let fine =
+        FactorParams { texture_size: 16, smoothing: 1e-6, log_map: LogTransform::Log, ..params() };
     let problem = Problem::new(&product, &fine).unwrap();
     let search = JointParams { terms: 2, restarts: 30, ..JointParams::default() };
     let found = search_joint(&problem, &family, &search, Control::default()).unwrap();

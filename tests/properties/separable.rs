@@ -3,9 +3,10 @@
 use brdf_model::{Brdf, Channels, PairSampling, Preset, Rgb, cosine_rms};
 use brdf_param::{DirectionPair, HemisphereMap, Parametrization};
 use brdf_separable::{
-    BrdfMatrix, Chart, Decomposition, EigenSolver, Fill, KrylovParams, Layout, MatrixParams,
-    NonnegativeParams, SeparableError, SeparableParams, ValueMap, cosine_rms_by_rank, factorize,
-    nonnegative_factors, power_iteration, top_eigenpairs, top_singular_triplets,
+    BrdfMatrix, Decomposition, EigenSolver, Fill, HemisphereGrid, KrylovParams, Layout,
+    MatrixParams, NonnegativeParams, SeparableError, SeparableParams, ValueTransform,
+    cosine_rms_by_rank, factorize_matrix, nonnegative_factors, power_iteration, top_eigenpairs,
+    top_singular_triplets,
 };
 use brdf_tests::{cases, pair};
 use faer::Mat;
@@ -39,7 +40,7 @@ fn planted(size: usize, values: &[f64], seed: u64) -> Mat<f64> {
 }
 
 fn disc(resolution: usize) -> Layout {
-    let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution };
+    let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution };
     Layout::new(Parametrization::Standard, chart, chart)
 }
 
@@ -206,7 +207,8 @@ fn the_printed_power_iteration_fails_on_it() {
 fn residuals_fall_with_every_term_and_match_the_spectrum() {
     let matrix = sampled("plastic", &disc(24));
     let fit =
-        factorize(&matrix, &SeparableParams { rank: 12, ..SeparableParams::default() }).unwrap();
+        factorize_matrix(&matrix, &SeparableParams { rank: 12, ..SeparableParams::default() })
+            .unwrap();
     let residuals: Vec<f64> = fit.errors.iter().map(|e| e.relative_residual).collect();
     assert!(residuals.windows(2).all(|pair| pair[1] <= pair[0]), "{residuals:?}");
     // Orthographic texels weigh alike, so that shares of energy are those of the spectrum.
@@ -225,11 +227,11 @@ fn isotropic_pairs_are_never_split() {
     let matrix = sampled("plastic", &disc(48));
     let decomposition = Decomposition::Eigen(EigenSolver::Krylov);
     let params = SeparableParams { rank: 2, decomposition, ..SeparableParams::default() };
-    let fit = factorize(&matrix, &params).unwrap();
+    let fit = factorize_matrix(&matrix, &params).unwrap();
     assert_eq!((fit.model.rank(), fit.spectra[0].added), (3, 1));
     let turned = |phi: f64| {
         let pair = DirectionPair::from_angles(0.6, phi, 0.5, phi + 2.0);
-        fit.model.eval_signed(&pair).g
+        fit.model.eval_unclamped(&pair).g
     };
     // To the interpolation between texels.
     assert!((turned(0.0) - turned(0.7)).abs() < 0.01 * turned(0.0).abs().max(0.05));
@@ -240,11 +242,11 @@ fn one_product_of_the_normalized_decomposition_is_exact_for_products() {
     let matrix = sampled("lambert", &disc(16));
     let decomposition = Decomposition::Normalized;
     let params = SeparableParams { rank: 1, decomposition, ..SeparableParams::default() };
-    let fit = factorize(&matrix, &params).unwrap();
+    let fit = factorize_matrix(&matrix, &params).unwrap();
     assert!(fit.errors[0].relative_residual < 1e-6, "{:?}", fit.errors);
     // A constant has rank one, and no decomposition invents more.
-    let svd =
-        factorize(&matrix, &SeparableParams { rank: 4, ..SeparableParams::default() }).unwrap();
+    let svd = factorize_matrix(&matrix, &SeparableParams { rank: 4, ..SeparableParams::default() })
+        .unwrap();
     assert_eq!(svd.model.rank(), 1);
 }
 
@@ -253,7 +255,7 @@ fn nmf_models_are_never_negative_and_svd_models_ring() {
     let layout = disc(24);
     let matrix = sampled("ggx", &layout);
     let decomposed = |decomposition| {
-        factorize(
+        factorize_matrix(
             &matrix,
             &SeparableParams { rank: 6, decomposition, ..SeparableParams::default() },
         )
@@ -262,7 +264,7 @@ fn nmf_models_are_never_negative_and_svd_models_ring() {
     };
     let sampling = PairSampling { count: 5_000, seed: 3, theta_max: 1.5 };
     let lowest = |model: &dyn Brdf| {
-        sampling.pairs().map(|pair| model.eval_signed(&pair).g).fold(f64::INFINITY, f64::min)
+        sampling.pairs().map(|pair| model.eval_unclamped(&pair).g).fold(f64::INFINITY, f64::min)
     };
     assert!(lowest(&decomposed(Decomposition::Nmf)) >= 0.0);
     assert!(lowest(&decomposed(Decomposition::Svd)) < 0.0);
@@ -271,7 +273,7 @@ fn nmf_models_are_never_negative_and_svd_models_ring() {
 #[test]
 fn joint_channels_share_scalar_textures() {
     let matrix = sampled("red-plastic", &disc(20));
-    let fit = factorize(
+    let fit = factorize_matrix(
         &matrix,
         &SeparableParams { rank: 6, joint_rgb: true, ..SeparableParams::default() },
     )
@@ -289,14 +291,14 @@ fn joint_channels_share_scalar_textures() {
 #[test]
 fn truncated_models_are_the_leading_terms() {
     let matrix = sampled("plastic", &disc(16));
-    let fit =
-        factorize(&matrix, &SeparableParams { rank: 6, ..SeparableParams::default() }).unwrap();
+    let fit = factorize_matrix(&matrix, &SeparableParams { rank: 6, ..SeparableParams::default() })
+        .unwrap();
     let pair = DirectionPair::from_angles(0.4, 0.0, 0.7, 2.5);
     let mut partial = Vec::new();
     fit.model.partial_sums(&pair, |_, value| partial.push(value.g));
     for rank in 1..=fit.model.rank() {
         let short = fit.model.truncated(rank).unwrap();
-        let single = short.eval_signed(&pair).g;
+        let single = short.eval_unclamped(&pair).g;
         assert!((single - partial[rank - 1]).abs() < 1e-5, "{single} at rank {rank}");
     }
     assert!(fit.model.truncated(fit.model.rank() + 1).is_err());
@@ -312,27 +314,31 @@ fn requests_that_cannot_be_met_are_refused() {
 
     let matrix = sampled("plastic", &disc(4));
     let too_many = SeparableParams { rank: 1000, ..SeparableParams::default() };
-    assert!(matches!(factorize(&matrix, &too_many), Err(SeparableError::Rank { max: 12, .. })));
+    assert!(matches!(
+        factorize_matrix(&matrix, &too_many),
+        Err(SeparableError::Rank { max: 12, .. })
+    ));
 
-    let chart = Chart::Plane { map: HemisphereMap::Polar, resolution: 8 };
+    let chart = HemisphereGrid::Plane { map: HemisphereMap::Polar, resolution: 8 };
     let halves = Layout::new(Parametrization::HalfDifference, chart, chart);
     let eigen = SeparableParams {
         decomposition: Decomposition::Eigen(EigenSolver::Krylov),
         ..SeparableParams::default()
     };
-    let refused = factorize(&sampled("plastic", &halves), &eigen).unwrap_err();
+    let refused = factorize_matrix(&sampled("plastic", &halves), &eigen).unwrap_err();
     assert!(matches!(refused, SeparableError::NotSymmetric { .. }), "{refused}");
 
-    let logs = MatrixParams { maps: [ValueMap::Offset { a: 1e-5 }; 3], ..MatrixParams::default() };
+    let logs =
+        MatrixParams { maps: [ValueTransform::Offset { a: 1e-5 }; 3], ..MatrixParams::default() };
     let matrix = BrdfMatrix::sample(&brdf, &disc(8), &logs).unwrap();
     let nmf = SeparableParams { decomposition: Decomposition::Nmf, ..SeparableParams::default() };
-    assert!(matches!(factorize(&matrix, &nmf), Err(SeparableError::Negative { .. })));
+    assert!(matches!(factorize_matrix(&matrix, &nmf), Err(SeparableError::Negative { .. })));
 }
 
 #[test]
 fn cells_are_counted_by_where_their_value_came_from() {
     let brdf = Preset::find("plastic").unwrap().brdf();
-    let chart = Chart::Plane { map: HemisphereMap::Polar, resolution: 12 };
+    let chart = HemisphereGrid::Plane { map: HemisphereMap::Polar, resolution: 12 };
     let layout = Layout::new(Parametrization::HalfDifference, chart, chart);
     for fill in [Fill::Edge, Fill::Zero] {
         let params = MatrixParams { theta_max: 1.3, fill, ..MatrixParams::default() };
@@ -355,7 +361,7 @@ fn models_do_not_depend_on_the_number_of_threads() {
             let matrix = sampled("red-plastic", &disc(20));
             let decomposition = Decomposition::Eigen(EigenSolver::Krylov);
             let params = SeparableParams { rank: 5, decomposition, ..SeparableParams::default() };
-            factorize(&matrix, &params).unwrap().model
+            factorize_matrix(&matrix, &params).unwrap().model
         })
     };
     assert_eq!(made(1), made(2));
@@ -370,7 +376,7 @@ fn the_cosine_weighted_error_of_plastic_is_the_recorded_one() {
     // Pairs of equal eigenvalues would be completed: 5, 8 and 16 terms.
     for (rank, relative) in [(8, 0.342), (16, 0.217)] {
         let params = SeparableParams { rank, decomposition, ..SeparableParams::default() };
-        let model = factorize(&matrix, &params).unwrap().model;
+        let model = factorize_matrix(&matrix, &params).unwrap().model;
         let model = model.truncated(rank).unwrap();
         let rms = cosine_rms(&brdf, &model, Channels::Luminance, 1);
         let found = rms.relative;

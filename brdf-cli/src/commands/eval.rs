@@ -46,7 +46,7 @@ impl Eval {
             let value = subject.brdf().eval(pair);
             let lit = pair.wi.z > 0.0 && pair.wo.z > 0.0;
             below += usize::from(!lit);
-            let known = !lit || subject.brdf().covers(pair);
+            let known = !lit || subject.brdf().has_data(pair);
             without_data += usize::from(!known);
             let [r, g, b] = if known { value.channels() } else { [f64::NAN; 3] };
             table.push_str(&format!("{angles},{r},{g},{b}\n"));
@@ -67,7 +67,7 @@ impl Eval {
         }
         if let Some(brdf_io::Measured::Separable(_)) = subject.measurement().map(|m| &m.measured) {
             let is_negative = |pair: &DirectionPair| {
-                subject.brdf().eval_signed(pair).channels().iter().any(|v| *v < 0.0)
+                subject.brdf().eval_unclamped(pair).channels().iter().any(|v| *v < 0.0)
             };
             let count = rows.iter().filter(|(pair, _)| is_negative(pair)).count();
             if count > 0 {

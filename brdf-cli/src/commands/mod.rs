@@ -23,7 +23,7 @@ use clap::{Parser, Subcommand};
 /// show it.
 ///
 /// A MODEL or REFERENCE is a measured file (MERL .binary, RGL .bsdf, Cornell .brdf, UTIA .bin, ALTA
-/// text, a table with a header; recognised by content), a model that `brdf factor` wrote, or
+/// text, a table with a header; recognized by content), a model that `brdf factor` wrote, or
 /// preset:NAME for a built-in material. Values are in sr⁻¹ without the cosine, linear RGB; angles
 /// are in degrees.
 #[derive(Parser)]

@@ -14,8 +14,8 @@ use brdf_plot::{
 };
 use brdf_render::{DisplayImage, Side, term_view, texture_view};
 use brdf_separable::{
-    BrdfMatrix, Chart, Decomposition, EigenSolver, Layout, MatrixParams, RankCosineRms,
-    SeparableParams, cosine_rms_by_rank, factorize,
+    BrdfMatrix, HemisphereGrid, Decomposition, EigenSolver, Layout, MatrixParams, RankCosineRms,
+    SeparableParams, cosine_rms_by_rank, factorize_matrix,
 };
 use brdf_study::TestFunction;
 use clap::ValueEnum;
@@ -252,7 +252,7 @@ fn spectrum(subject: &Subject) -> anyhow::Result<Plot> {
     }
     let params = MatrixParams { channels: subject.channels(), ..MatrixParams::default() };
     let matrix = BrdfMatrix::sample(subject.brdf(), &light_view(32), &params)?;
-    let fit = factorize(
+    let fit = factorize_matrix(
         &matrix,
         &SeparableParams { rank: SPECTRUM_TERMS, tolerance: 1e-3, ..SeparableParams::default() },
     )?;
@@ -260,7 +260,7 @@ fn spectrum(subject: &Subject) -> anyhow::Result<Plot> {
 }
 
 fn light_view(resolution: usize) -> Layout {
-    let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution };
+    let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution };
     Layout::new(Parametrization::Standard, chart, chart)
 }
 
@@ -300,7 +300,7 @@ fn rank_errors(subjects: &[&Subject]) -> anyhow::Result<Plot> {
 fn rank_error(brdf: &dyn Brdf, resolution: usize) -> anyhow::Result<[Vec<(f64, f64)>; 2]> {
     let params = MatrixParams { channels: Channels::Rgb, ..MatrixParams::default() };
     let matrix = BrdfMatrix::sample(brdf, &light_view(resolution), &params)?.symmetrized()?;
-    let fit = factorize(
+    let fit = factorize_matrix(
         &matrix,
         &SeparableParams {
             decomposition: Decomposition::Eigen(EigenSolver::Krylov),

@@ -50,7 +50,7 @@ impl Sample {
                 let rows = if self.pairs.luminance { rows.to_luminance() } else { rows.clone() };
                 let rows = rows.within(self.pairs.theta_max());
                 match self.samples {
-                    Some(count) => rows.thinned(count as usize),
+                    Some(count) => rows.subset(count as usize),
                     None => rows,
                 }
             }

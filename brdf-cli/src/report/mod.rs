@@ -1,6 +1,6 @@
 //! What `brdf factor` reports: the JSON, and the page around it.
 
-mod chart;
+mod hemisphere_grid;
 pub(crate) mod html;
 pub(crate) mod notes;
 pub(crate) mod separable;

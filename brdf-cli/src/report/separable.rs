@@ -197,7 +197,7 @@ fn negative_pairs(model: &SeparableBrdf) -> usize {
     let sampling =
         PairSampling { count: COUNTED_PAIRS, seed: 1, theta_max: std::f64::consts::FRAC_PI_2 };
     let is_negative =
-        |pair| model.eval_signed(&pair).channels()[..model.maps().len()].iter().any(|v| *v < 0.0);
+        |pair| model.eval_unclamped(&pair).channels()[..model.maps().len()].iter().any(|v| *v < 0.0);
     sampling.pairs().filter(|pair| is_negative(*pair)).count()
 }
 

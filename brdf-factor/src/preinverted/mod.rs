@@ -20,8 +20,9 @@ pub use basis::{Damping, SpectralBasis};
 
 use crate::factorization::{settle_constants, store};
 use crate::{
-    ChannelMap, CholeskyFactor, Columns, Factor, FactorError, FactorSpec, FactoredBrdf, Fit,
-    LinearSystem, LogMap, NormalEquations, Problem, Solver, SurfaceProduct, SurfaceTexture, Weight,
+    ChannelTransform, CholeskyFactor, Columns, Factor, FactorError, FactorSpec, FactoredBrdf, Fit,
+    LinearSystem, LogTransform, NormalEquations, Problem, Solver, SurfaceProduct, SurfaceTexture,
+    Weight,
 };
 
 /// The factors that are solved for.
@@ -95,7 +96,7 @@ pub struct Preinverted {
 }
 
 /// Memory of one solution, used again for the next.
-pub struct Workspace {
+pub struct PreinvertedWorkspace {
     channels: usize,
     /// `[sample][channel]`.
     targets: Vec<f64>,
@@ -237,13 +238,13 @@ impl Preinverted {
     }
 
     /// Memory for solutions of this many channels.
-    pub fn workspace(&self, channels: usize) -> Workspace {
+    pub fn workspace(&self, channels: usize) -> PreinvertedWorkspace {
         let unknowns = self.unknowns();
         let (components, scratch) = match &self.inverse {
             Inverse::Cholesky(factor) => (0, factor.scratch(channels)),
             Inverse::Svd(basis) => (basis.components(), MemBuffer::new(Default::default())),
         };
-        Workspace {
+        PreinvertedWorkspace {
             channels,
             targets: vec![0.0; channels * self.samples()],
             products: vec![0.0; channels * unknowns],
@@ -260,7 +261,12 @@ impl Preinverted {
     ///
     /// If the workspace is not one of [`Preinverted::workspace`], or unless there are as many channels
     /// of values and maps as it has, and one value for each sample.
-    pub fn solve(&self, values: &[Vec<f64>], maps: &[ChannelMap], workspace: &mut Workspace) {
+    pub fn solve(
+        &self,
+        values: &[Vec<f64>],
+        maps: &[ChannelTransform],
+        workspace: &mut PreinvertedWorkspace,
+    ) {
         let channels = workspace.channels;
         assert_eq!((values.len(), maps.len()), (channels, channels), "a map for each channel");
         for (channel, (values, map)) in values.iter().zip(maps).enumerate() {
@@ -336,7 +342,7 @@ impl Preinverted {
 
     /// What the solution gives for the samples, as fitted, by channel in the order in which they were
     /// handed in.
-    pub fn predictions(&self, workspace: &Workspace) -> Vec<Vec<f64>> {
+    pub fn predictions(&self, workspace: &PreinvertedWorkspace) -> Vec<Vec<f64>> {
         let system = LinearSystem::new(self.columns.clone(), &self.ones);
         workspace
             .solution
@@ -358,8 +364,8 @@ impl Preinverted {
     /// [`FactorError::Factors`] unless there are one or three channels.
     pub fn model(
         &self,
-        workspace: &Workspace,
-        maps: &[ChannelMap],
+        workspace: &PreinvertedWorkspace,
+        maps: &[ChannelTransform],
     ) -> Result<SurfaceProduct, FactorError> {
         self.model_of(&workspace.solution, maps)
     }
@@ -376,7 +382,7 @@ impl Preinverted {
     pub fn model_of(
         &self,
         solution: &[f64],
-        maps: &[ChannelMap],
+        maps: &[ChannelTransform],
     ) -> Result<SurfaceProduct, FactorError> {
         let unknowns = self.unknowns();
         assert_eq!(solution.len(), maps.len() * unknowns, "a number for each unknown");
@@ -408,15 +414,15 @@ impl Preinverted {
     }
 }
 
-impl fmt::Debug for Workspace {
+impl fmt::Debug for PreinvertedWorkspace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut debug = f.debug_struct("Workspace");
+        let mut debug = f.debug_struct("PreinvertedWorkspace");
         debug.field("channels", &self.channels).field("solution", &self.solution);
         debug.finish_non_exhaustive()
     }
 }
 
-impl Workspace {
+impl PreinvertedWorkspace {
     /// Log texels of all factors, `[channel][unknown]`, factor after factor and that of the surface last.
     pub fn solution(&self) -> &[f64] {
         &self.solution
@@ -439,7 +445,7 @@ fn layout(
     if problem.params().weight != Weight::Log {
         return refuse("the weight", "`log`, which does not depend on values");
     }
-    if problem.params().log_map == LogMap::Log {
+    if problem.params().log_map == LogTransform::Log {
         return refuse("the log map", "one that drops no samples");
     }
     let factors: Vec<Factor> = plan

@@ -5,7 +5,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use btf_vq::View;
+use btf_vq::BtfView;
 use glam::DVec3;
 
 use crate::FormatError;
@@ -37,7 +37,7 @@ pub(crate) enum Packing {
 pub(crate) struct BonnHeader {
     pub(crate) packing: Packing,
     pub(crate) cosine_included: bool,
-    pub(crate) views: Vec<View>,
+    pub(crate) views: Vec<BtfView>,
     pub(crate) width: usize,
     pub(crate) height: usize,
     /// Whether frames of texels are stored.
@@ -141,10 +141,10 @@ fn skip_text(cursor: &mut Cursor<'_>, what: &str) -> Result<(), FormatError> {
 
 /// Reads views with their lights, which must be the same for all: what follows has as many values
 /// for each.
-fn read_views(cursor: &mut Cursor<'_>) -> Result<Vec<View>, FormatError> {
+fn read_views(cursor: &mut Cursor<'_>) -> Result<Vec<BtfView>, FormatError> {
     let offset = cursor.offset();
     let count = cursor.u32("the number of views")?;
-    let mut views: Vec<View> = Vec::new();
+    let mut views: Vec<BtfView> = Vec::new();
     for _ in 0..count {
         let wo = direction(cursor, "a view")?;
         let at = cursor.offset();
@@ -159,7 +159,7 @@ fn read_views(cursor: &mut Cursor<'_>) -> Result<Vec<View>, FormatError> {
                 expected: "the same lights for all views".to_owned(),
             });
         }
-        views.push(View { wo, lights });
+        views.push(BtfView { wo, lights });
     }
     let lights = views.first().map_or(0, |view| view.lights.len());
     if views.len() < LEAST_DIRECTIONS || lights < LEAST_DIRECTIONS {

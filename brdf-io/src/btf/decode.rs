@@ -1,4 +1,4 @@
-//! One image of a BTF: recognised by its first bytes and decoded to three channels.
+//! One image of a BTF: recognized by its first bytes and decoded to three channels.
 
 use std::io::Cursor;
 
@@ -34,7 +34,7 @@ pub(crate) enum ImageKind {
 }
 
 impl ImageKind {
-    /// Recognises an image by its first bytes.
+    /// Recognizes an image by its first bytes.
     pub(crate) fn of(bytes: &[u8]) -> Result<Self, FormatError> {
         let starts = |magic: &[u8]| bytes.starts_with(magic);
         match () {

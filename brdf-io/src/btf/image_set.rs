@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use btf_vq::{BtfLayout, Encoding, View};
+use btf_vq::{BtfLayout, BtfView, Encoding};
 
 use super::decode::{ImageKind, image_size};
 use super::files::Files;
@@ -208,7 +208,7 @@ fn look_at(files: &Files, image: &Image) -> Result<([usize; 2], bool), BtfError>
 }
 
 fn layout([width, height]: [usize; 2], linear: bool, views: &[&[Image]]) -> BtfLayout {
-    let view = |images: &&[Image]| View {
+    let view = |images: &&[Image]| BtfView {
         wo: images[0].angles.view.direction(),
         lights: images.iter().map(|image| image.angles.light.direction()).collect(),
     };

@@ -1,4 +1,4 @@
-//! Bidirectional texture functions of any kind, recognised by content.
+//! Bidirectional texture functions of any kind, recognized by content.
 
 use std::ops::Range;
 use std::path::Path;

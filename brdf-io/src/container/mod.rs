@@ -27,7 +27,7 @@
 
 use std::collections::HashMap;
 
-use brdf_factor::{ChannelMap, Factor, FactorDescription, FactorParams, FactoredBrdf};
+use brdf_factor::{ChannelTransform, Factor, FactorDescription, FactorParams, FactoredBrdf};
 use brdf_model::{Channels, Dropped, FitErrors, MerlLookup, MerlTable, SampleSet};
 use brdf_param::{DirectionPair, Projection};
 use brdf_search::Objective;
@@ -161,7 +161,7 @@ pub struct FitSettings {
 pub struct SearchSettings {
     /// `joint` or `powell`.
     pub strategy: String,
-    /// What a Powell search minimised.
+    /// What a Powell search minimized.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objective: Option<Objective>,
     /// Largest number of projections asked for.
@@ -193,7 +193,7 @@ struct Record {
     #[serde(flatten)]
     head: Head,
     theta_max: f64,
-    maps: Vec<ChannelMap>,
+    maps: Vec<ChannelTransform>,
     factors: Vec<FactorDescription>,
     /// Of the models of fewer textures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -1,6 +1,8 @@
 //! Painted materials.
 
-use brdf_factor::{ChannelMap, FactorDescription, FactoredBrdf, SurfaceProduct, SurfaceTexture};
+use brdf_factor::{
+    ChannelTransform, FactorDescription, FactoredBrdf, SurfaceProduct, SurfaceTexture,
+};
 use brdf_paint::{CoefficientMap, Component, PaintParams, PaintedMaterial};
 use brdf_render::UvSource;
 use safetensors::SafeTensors;
@@ -43,7 +45,7 @@ struct Record {
 #[derive(Serialize, Deserialize)]
 struct ProductRecord {
     theta_max: f64,
-    maps: Vec<ChannelMap>,
+    maps: Vec<ChannelTransform>,
     factors: Vec<FactorDescription>,
     /// Texels a side and whether u wraps around.
     surface: Option<(usize, bool)>,

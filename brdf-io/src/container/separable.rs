@@ -3,7 +3,7 @@
 use brdf_model::FitErrors;
 use brdf_separable::{
     CellCounts, ChannelSpectrum, Decomposition, Fill, Layout, RankError, SecondSide, SeparableBrdf,
-    ValueMap,
+    ValueTransform,
 };
 use safetensors::SafeTensors;
 use safetensors::tensor::Dtype;
@@ -78,7 +78,7 @@ struct Record {
     #[serde(flatten)]
     head: Head,
     layout: Layout,
-    maps: Vec<ValueMap>,
+    maps: Vec<ValueTransform>,
     rank: usize,
     first_channels: usize,
     fit: SeparableRecord,

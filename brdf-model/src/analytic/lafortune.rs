@@ -1,4 +1,4 @@
-//! The generalised cosine lobes of Lafortune et al. 1997.
+//! The generalized cosine lobes of Lafortune et al. 1997.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! A diffuse base with a normalised Blinn lobe: the plastic of the relighting figures.
+//! A diffuse base with a normalized Blinn lobe: the plastic of the relighting figures.
 
 use std::f64::consts::PI;
 

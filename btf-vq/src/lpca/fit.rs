@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::cluster::cluster_shapes;
 use crate::nearest::dot;
-use crate::survey::Survey;
+use crate::projected_texels::ProjectedTexels;
 use crate::{AngularGrid, VqError};
 
 /// Rounds of choosing spaces and clusters.
@@ -22,13 +22,13 @@ pub struct LocalPca {
     pub(crate) cluster: Vec<u32>,
     /// `[texel][component]`.
     pub(crate) coefficients: Vec<f32>,
-    /// Sum of squared errors in the metric of the survey, before anything is quantised.
+    /// Sum of squared errors in the metric of the survey, before anything is quantized.
     pub error: f64,
 }
 
 impl LocalPca {
     /// Fits so many spaces of so many dimensions to the texels of a survey.
-    pub fn fit(survey: &Survey, clusters: usize, components: usize) -> Self {
+    pub fn fit(survey: &ProjectedTexels, clusters: usize, components: usize) -> Self {
         let dims = survey.space.dims;
         let components = components.min(dims);
         let ones = vec![1.0; survey.texels()];
@@ -86,7 +86,7 @@ pub fn lpca_bytes(
 /// # Errors
 ///
 /// [`VqError::Budget`] where not even one component of one cluster fits.
-pub fn fit_lpca(survey: &Survey, bytes: usize, value: usize) -> Result<LocalPca, VqError> {
+pub fn fit_lpca(survey: &ProjectedTexels, bytes: usize, value: usize) -> Result<LocalPca, VqError> {
     let mut best: Option<LocalPca> = None;
     for components in [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32] {
         let size =
@@ -115,7 +115,12 @@ fn coordinates(space: &[f32], x: &[f32], dims: usize) -> Vec<f32> {
 }
 
 /// Means and principal directions of the texels of each cluster.
-fn fit_spaces(survey: &Survey, cluster: &[u32], count: usize, components: usize) -> Vec<f32> {
+fn fit_spaces(
+    survey: &ProjectedTexels,
+    cluster: &[u32],
+    count: usize,
+    components: usize,
+) -> Vec<f32> {
     let dims = survey.space.dims;
     let mut members = vec![Vec::new(); count];
     for (texel, cluster) in cluster.iter().enumerate() {
@@ -168,7 +173,7 @@ fn affine_space<'a>(
 }
 
 /// The nearest space of each texel and the squared distance to it.
-fn place(survey: &Survey, spaces: &[f32], components: usize) -> Vec<(u32, f32)> {
+fn place(survey: &ProjectedTexels, spaces: &[f32], components: usize) -> Vec<(u32, f32)> {
     let dims = survey.space.dims;
     survey
         .coefficients

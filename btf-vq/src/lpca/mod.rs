@@ -2,7 +2,7 @@
 //! for coefficients and bases. The rival of the codebooks, on the same grid and as randomly readable.
 //!
 //! Source: G. Müller, J. Meseth and R. Klein, "Compression and Real-Time Rendering of Measured BTFs
-//! Using Local PCA", Vision, Modeling and Visualisation 2003; bytes instead of floats are ours.
+//! Using Local PCA", Vision, Modeling and Visualization 2003; bytes instead of floats are ours.
 
 mod decode;
 mod fit;

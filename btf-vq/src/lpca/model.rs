@@ -5,8 +5,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::{LocalPca, LpcaDecoder};
-use crate::books::level_size;
-use crate::survey::Survey;
+use crate::codebooks::level_size;
+use crate::projected_texels::ProjectedTexels;
 use crate::{AngularGrid, Encoding, SharedBytes, TextureInfo, VqError};
 
 /// A straight line from codes to values.
@@ -163,7 +163,7 @@ impl LpcaModel {
     ///
     /// [`VqError::Header`] for more clusters or components than a model can have.
     pub fn pack(
-        survey: &Survey,
+        survey: &ProjectedTexels,
         fit: &LocalPca,
         materials: Vec<TextureInfo>,
     ) -> Result<Self, VqError> {

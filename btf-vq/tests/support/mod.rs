@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use btf_vq::{
-    AngularGrid, Books, BtfLayout, BtfSource, Chroma, Encoding, IndexBook, Material, Resampler,
-    SourceError, TextureInfo, View, colour,
+    AngularGrid, BtfLayout, BtfSource, BtfView, Chroma, Codebooks, Encoding, IndexCodebook,
+    Material, Resampler, SourceError, TextureInfo, colour,
 };
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ pub(crate) struct Formula {
 impl Formula {
     pub(crate) fn new(side: usize, gloss: f64, encoding: Encoding) -> Self {
         let lights = directions();
-        let views = directions().into_iter().map(|wo| View { wo, lights: lights.clone() });
+        let views = directions().into_iter().map(|wo| BtfView { wo, lights: lights.clone() });
         let layout = BtfLayout {
             width: side,
             height: side,
@@ -79,8 +79,8 @@ pub(crate) fn resampler(source: &Formula) -> Resampler {
 }
 
 /// No books yet.
-pub(crate) fn empty(source: &Formula, chroma: Chroma) -> Books {
-    Books::new(AngularGrid::default(), source.layout.encoding, chroma)
+pub(crate) fn empty(source: &Formula, chroma: Chroma) -> Codebooks {
+    Codebooks::new(AngularGrid::default(), source.layout.encoding, chroma)
 }
 
 /// A texture of one level.
@@ -95,6 +95,6 @@ pub(crate) fn info(source: &Formula) -> TextureInfo {
 }
 
 /// One texture of one level.
-pub(crate) fn material(source: &Formula, texture: IndexBook) -> Material {
+pub(crate) fn material(source: &Formula, texture: IndexCodebook) -> Material {
     Material { info: info(source), levels: vec![texture] }
 }

@@ -18,7 +18,7 @@ use crate::args::ForceArgs;
 ///
 /// Rows that the books have stay as they are and serve the new textures where they fit; new rows are
 /// appended, in the way in which the books were made. --ratio is that of the new textures to the bytes
-/// that they add. Indices become wider where they have to, and scales are quantised again over all.
+/// that they add. Indices become wider where they have to, and scales are quantized again over all.
 ///
 /// Example: brdf btf add wool.btfvq bricks -o both.btfvq
 #[derive(clap::Args)]

@@ -43,8 +43,8 @@ pub(super) fn tabulate(table: &mut NodeTable, brdf: &dyn Brdf) -> anyhow::Result
     let without_data = AtomicU64::new(0);
     let clamped = table.push(|wi, wo| {
         let pair = DirectionPair::new(above_horizon(wi), above_horizon(wo));
-        without_data.fetch_add(u64::from(!brdf.covers(&pair)), Ordering::Relaxed);
-        brdf.eval_signed(&pair).channels().map(|f| narrow(f * PI * wi.z))
+        without_data.fetch_add(u64::from(!brdf.has_data(&pair)), Ordering::Relaxed);
+        brdf.eval_unclamped(&pair).channels().map(|f| narrow(f * PI * wi.z))
     })?;
     let note = match (clamped, without_data.into_inner()) {
         (0, 0) => None,

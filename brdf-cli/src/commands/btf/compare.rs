@@ -8,7 +8,7 @@ use anyhow::bail;
 use brdf_io::{Btf, open_btf_model};
 use brdf_model::{Channels, cosine_rms};
 use btf_vq::colour::from_luma_chroma;
-use btf_vq::{BLOCK, BtfReader, BtfSource, NodeTable, Resampler, Taps};
+use btf_vq::{TEXEL_BLOCK, BtfReader, BtfSource, NodeTable, Resampler, Taps};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
@@ -233,7 +233,7 @@ fn floor(
     let resampler = Resampler::new(source.layout(), grid)?;
     let nodes = grid.node_count();
     let places: Vec<_> = taps.iter().map(|t| t.nodes(&grid)).collect();
-    let blocks_in_all = source.layout().texel_count().div_ceil(BLOCK) as u64;
+    let blocks_in_all = source.layout().texel_count().div_ceil(TEXEL_BLOCK) as u64;
     let (blocks, _) =
         resampler.map_blocks(source, 0..source.layout().texel_count(), |texels, values| {
             let mut bytes = Vec::with_capacity(3 * texels.len() * places.len());
@@ -255,7 +255,7 @@ fn floor(
     progress.step("comparing with the floor");
     let images = places.len();
     let decoded = |at: usize, rgb: &mut [u8]| {
-        for (target, block) in rgb.chunks_mut(3 * BLOCK).zip(&blocks) {
+        for (target, block) in rgb.chunks_mut(3 * TEXEL_BLOCK).zip(&blocks) {
             let len = block.len() / images;
             target.copy_from_slice(&block[at * len..][..len]);
         }

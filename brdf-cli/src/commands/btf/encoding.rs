@@ -8,8 +8,8 @@ use std::time::Instant;
 use anyhow::bail;
 use brdf_io::{BtfRecord, btf_model_to_bytes, write_atomically};
 use btf_vq::{
-    BookSizes, Books, BtfModel, Chroma, Encoding, IndexBook, LpcaModel, Material, Measure,
-    PaperParams, ScaleBits, Survey, SurveyParams, TexelSet, VqModel, choose_sizes, encode_paper,
+    CodebookSizes, Codebooks, BtfModel, Chroma, Encoding, IndexCodebook, LpcaModel, Material, Measure,
+    PaperParams, ScaleBits, ProjectedTexels, ProjectionParams, TexelSet, VqModel, choose_sizes, encode_paper,
     encode_refined, fit_lpca,
 };
 use clap::ValueEnum;
@@ -100,7 +100,7 @@ const NEAR_ENOUGH: std::ops::RangeInclusive<f64> = 0.97..=1.01;
 
 /// A compressed BTF that grows.
 pub(super) struct Start {
-    pub(super) books: Books,
+    pub(super) books: Codebooks,
     pub(super) materials: Vec<Material>,
     pub(super) made: BtfRecord,
     /// Of its file.
@@ -191,13 +191,13 @@ impl Job<'_> {
     }
 
     /// The books to begin with.
-    fn books(&self, encoding: Encoding, chroma: Chroma) -> Books {
+    fn books(&self, encoding: Encoding, chroma: Chroma) -> Codebooks {
         let grown = self.start.as_ref().map(|start| start.books.clone());
-        grown.unwrap_or_else(|| Books::new(self.inputs.grid, encoding, chroma))
+        grown.unwrap_or_else(|| Codebooks::new(self.inputs.grid, encoding, chroma))
     }
 
     /// All textures, from a row of P6 for each texel of the new ones.
-    fn materials(&self, rows: &IndexBook) -> Vec<Material> {
+    fn materials(&self, rows: &IndexCodebook) -> Vec<Material> {
         let mut materials =
             self.start.as_ref().map_or_else(Vec::new, |start| start.materials.clone());
         let mut first = 0;
@@ -206,7 +206,7 @@ impl Job<'_> {
                 let range = first..first + texels;
                 first = range.end;
                 let (index, scale) = (&rows.index[range.clone()], &rows.scale[range]);
-                IndexBook { len: 1, index: index.to_vec(), scale: scale.to_vec() }
+                IndexCodebook { len: 1, index: index.to_vec(), scale: scale.to_vec() }
             });
             let levels = levels.collect();
             materials.push(Material { info: info.clone(), levels });
@@ -216,19 +216,19 @@ impl Job<'_> {
 
     fn pack(
         &self,
-        mut books: Books,
-        rows: &IndexBook,
+        mut books: Codebooks,
+        rows: &IndexCodebook,
         bits: ScaleBits,
     ) -> anyhow::Result<BtfModel> {
         let mut materials = self.materials(rows);
-        books.normalise(&mut materials);
+        books.normalize(&mut materials);
         Ok(BtfModel::Vq(VqModel::pack(&books, &materials, bits)?))
     }
 
     /// A survey of texels that have a subspace in common.
-    fn survey(&self, sets: &[TexelSet<'_>], progress: &Progress) -> anyhow::Result<Survey> {
+    fn survey(&self, sets: &[TexelSet<'_>], progress: &Progress) -> anyhow::Result<ProjectedTexels> {
         progress.step("resampling");
-        Ok(Survey::of(sets, SurveyParams::default(), &|n| progress.done(n as u64))?)
+        Ok(ProjectedTexels::of(sets, ProjectionParams::default(), &|n| progress.done(n as u64))?)
     }
 
     fn refined(&self, sets: &[TexelSet<'_>]) -> anyhow::Result<(BtfModel, Vec<String>)> {
@@ -267,13 +267,13 @@ impl Job<'_> {
 
     fn build(
         &self,
-        surveys: &[Survey],
-        sizes: &BookSizes,
+        surveys: &[ProjectedTexels],
+        sizes: &CodebookSizes,
         bits: ScaleBits,
     ) -> anyhow::Result<BtfModel> {
         let books = self.books(surveys[0].encoding(), Chroma::Relative);
         let encoded = encode_refined(surveys, sizes, books);
-        let rows = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
+        let rows = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
         self.pack(encoded.books, &rows, bits)
     }
 
@@ -283,7 +283,7 @@ impl Job<'_> {
         let params = PaperParams { measure: self.measure(), budget: self.sizes.budget };
         let empty = self.books(sets[0].encoding(), Chroma::Absolute);
         let (books, textures) = encode_paper(sets, &params, empty, &|n| progress.done(n as u64))?;
-        let mut rows = IndexBook { len: 1, ..IndexBook::default() };
+        let mut rows = IndexCodebook { len: 1, ..IndexCodebook::default() };
         for texture in textures {
             rows.index.extend(texture.index);
             rows.scale.extend(texture.scale);
@@ -304,7 +304,7 @@ impl Job<'_> {
 }
 
 /// What should be said about resampling.
-fn notes(sets: &[TexelSet<'_>], surveys: &[Survey]) -> Vec<String> {
+fn notes(sets: &[TexelSet<'_>], surveys: &[ProjectedTexels]) -> Vec<String> {
     let filled: usize = sets.iter().map(TexelSet::filled).sum();
     let clamped: u64 = surveys.iter().map(|survey| survey.clamped).sum();
     let mut notes = Vec::new();

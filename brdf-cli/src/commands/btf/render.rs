@@ -165,8 +165,8 @@ impl SpatiallyVarying for Textured<'_> {
         Some(self.reader.light_sampler(level, texel, wo).sample(u1, u2))
     }
 
-    fn density(&self, at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
+    fn pdf(&self, at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
         let (level, texel) = self.place(at);
-        self.reader.light_sampler(level, texel, wo).density(wi)
+        self.reader.light_sampler(level, texel, wo).pdf(wi)
     }
 }

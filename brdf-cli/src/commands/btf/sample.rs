@@ -12,7 +12,7 @@ use crate::args::TableArgs;
 
 /// Draw light directions for a view, distributed as the luminance that a compressed BTF stores
 ///
-/// Output is a table theta_i_deg,phi_i_deg,pdf,r,g,b: the density per steradian and the linear
+/// Output is a table theta_i_deg,phi_i_deg,pdf,r,g,b: the pdf per steradian and the linear
 /// radiance, for texels all over the tile or for one. The albedo of the texel, or the mean over the
 /// tile, goes to standard error.
 ///
@@ -67,17 +67,17 @@ impl Sample {
             let texel = texel_at(reader.size(0), u, v);
             let sampler = reader.light_sampler(0, texel, wo);
             let [u1, u2] = draws.planar_point(index);
-            let (wi, density) = sampler.sample(u1, u2);
+            let (wi, pdf) = sampler.sample(u1, u2);
             let value = reader.linear(0, texel, &reader.taps(wi, wo));
             let cosine = if model.cosine_included() { 1.0 } else { wi.z };
             for (sum, v) in albedo.iter_mut().zip(value) {
-                let share = f64::from(v) * cosine / (density.max(1e-12) * std::f64::consts::PI);
+                let share = f64::from(v) * cosine / (pdf.max(1e-12) * std::f64::consts::PI);
                 *sum += share / f64::from(self.samples);
             }
             let azimuth = wi.y.atan2(wi.x).to_degrees();
             let polar = wi.z.clamp(-1.0, 1.0).acos().to_degrees();
             let [r, g, b] = value;
-            table.push_str(&format!("{polar},{azimuth},{density},{r},{g},{b}\n"));
+            table.push_str(&format!("{polar},{azimuth},{pdf},{r},{g},{b}\n"));
         }
         self.table.write(&table, out)?;
         let [r, g, b] = albedo;

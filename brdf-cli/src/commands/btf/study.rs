@@ -9,8 +9,8 @@ use brdf_io::{Btf, OutputFolder};
 use brdf_plot::{Curves, Scale, Series, plot_curves};
 use btf_vq::baselines::{Combinations, ViewPca};
 use btf_vq::{
-    Books, BtfModel, BtfReader, BtfSource, Chroma, IndexBook, LpcaModel, Material, Measure,
-    PaperParams, ScaleBits, Survey, SurveyParams, Taps, TexelSet, VqModel, choose_sizes,
+    Codebooks, BtfModel, BtfReader, BtfSource, Chroma, IndexCodebook, LpcaModel, Material, Measure,
+    PaperParams, ScaleBits, ProjectedTexels, ProjectionParams, Taps, TexelSet, VqModel, choose_sizes,
     encode_paper, encode_refined, fit_lpca,
 };
 use clap::ValueEnum;
@@ -216,13 +216,13 @@ impl Bench<'_> {
 
     fn pack(
         &self,
-        mut books: Books,
-        texture: IndexBook,
+        mut books: Codebooks,
+        texture: IndexCodebook,
         bits: ScaleBits,
     ) -> anyhow::Result<BtfModel> {
         let mut materials =
             [Material { info: self.inputs.infos[0].clone(), levels: vec![texture] }];
-        books.normalise(&mut materials);
+        books.normalize(&mut materials);
         Ok(BtfModel::Vq(VqModel::pack(&books, &materials, bits)?))
     }
 
@@ -239,7 +239,7 @@ impl Bench<'_> {
             return Ok(Vec::new());
         }
         self.progress.step("resampling");
-        let survey = Survey::of(sets, SurveyParams::default(), &|_| ())?;
+        let survey = ProjectedTexels::of(sets, ProjectionParams::default(), &|_| ())?;
         let mut rows = Vec::new();
         for ratio in ratios {
             self.progress.step(format!("1:{ratio}"));
@@ -254,7 +254,7 @@ impl Bench<'_> {
     /// A point of a method; none where the bytes do not hold even its least.
     fn surveyed_row(
         &self,
-        survey: &Survey,
+        survey: &ProjectedTexels,
         method: Method,
         bytes: usize,
     ) -> anyhow::Result<Option<Row>> {
@@ -263,9 +263,9 @@ impl Bench<'_> {
                 let bits = ScaleBits::refined(survey.encoding());
                 let surveys = std::slice::from_ref(survey);
                 let sizes = choose_sizes(surveys, &bits, bytes as u64)?;
-                let empty = Books::new(self.inputs.grid, survey.encoding(), Chroma::Relative);
+                let empty = Codebooks::new(self.inputs.grid, survey.encoding(), Chroma::Relative);
                 let encoded = encode_refined(surveys, &sizes, empty);
-                let texture = IndexBook { len: 1, index: encoded.index, scale: encoded.scale };
+                let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
                 self.model_row(method, &self.pack(encoded.books, texture, bits)?)?
             }
             Method::Lpca => {
@@ -292,7 +292,7 @@ impl Bench<'_> {
             self.progress.step(format!("as published, {epsilon}"));
             #[expect(clippy::cast_possible_truncation, reason = "a threshold")]
             let params = PaperParams { measure: Measure::Mse(*epsilon as f32), budget: 0.012 };
-            let empty = Books::new(self.inputs.grid, sets[0].encoding(), Chroma::Absolute);
+            let empty = Codebooks::new(self.inputs.grid, sets[0].encoding(), Chroma::Absolute);
             let (books, textures) = encode_paper(sets, &params, empty, &|_| ())?;
             let bits = ScaleBits::paper(books.encoding);
             for texture in textures {

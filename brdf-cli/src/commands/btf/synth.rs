@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::Context as _;
 use brdf_io::{UboWriter, WrittenImages, read_albedo, read_map};
 use btf_synth::{
-    LIGHT_COUNT, Map, Reflectance, Scene, SurfaceMaps, SynthOptions, heights_from_normals,
+    LIGHT_COUNT, Map, Reflectance, SurfaceScene, SurfaceMaps, SynthOptions, heights_from_normals,
 };
 use clap::ValueEnum;
 use serde::Serialize;
@@ -129,7 +129,7 @@ impl Synth {
         let mut writer = UboWriter::new(&self.output, maps.width(), maps.height(), self.force)?;
         let progress = Progress::new(LIGHT_COUNT as u64);
         progress.step("shadows and bounces");
-        let scene = Scene::new(&maps, Reflectance::Ggx { f0: F0 }, &options)?;
+        let scene = SurfaceScene::new(&maps, Reflectance::Ggx { f0: F0 }, &options)?;
         let mut images = vec![0.0; 3 * LIGHT_COUNT * scene.width() * scene.height()];
         for view in 0..LIGHT_COUNT {
             progress.step(format!("view {} of {LIGHT_COUNT}", view + 1));

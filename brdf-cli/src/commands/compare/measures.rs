@@ -52,7 +52,7 @@ pub(super) struct PictureRow {
 }
 
 /// A reference, and what is needed to judge models by it.
-pub(super) struct Judge<'a> {
+pub(super) struct Evaluator<'a> {
     reference: &'a Subject,
     samples: &'a SampleSet,
     offsets: &'a [f64],
@@ -75,7 +75,7 @@ const VIEW: SphereView = SphereView { size: 256, samples: 30 };
 /// Evaluations are timed this often; the shortest counts.
 const TIMINGS: u32 = 3;
 
-impl<'a> Judge<'a> {
+impl<'a> Evaluator<'a> {
     pub(super) fn new(
         reference: &'a Subject,
         samples: &'a SampleSet,
@@ -106,7 +106,7 @@ impl<'a> Judge<'a> {
     }
 
     pub(super) fn judge(&self, model: &Subject) -> Row {
-        let shared = self.samples.covered_by(model.brdf());
+        let shared = self.samples.with_data_in(model.brdf());
         let errors = measure(&shared, model.brdf(), self.offsets);
         let rms: Option<CosineRms> = self
             .reference

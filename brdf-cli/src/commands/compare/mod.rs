@@ -13,7 +13,7 @@ use brdf_model::{Channels, Dropped, PairSampling, SampleSet, log_offsets};
 use clap::ValueEnum;
 use serde::Serialize;
 
-use self::measures::{Judge, Row};
+use self::measures::{Evaluator, Row};
 use crate::args::{PairArgs, ReadArgs, usage};
 use crate::pictures::metric_lights;
 use crate::progress::Progress;
@@ -149,7 +149,7 @@ impl Compare {
         let progress = Progress::new(models.len() as u64 + 1);
         progress.step("rendering the reference");
         let offsets = log_offsets(&samples);
-        let mut judge = Judge::new(&reference, &samples, &offsets, channels, self.seed);
+        let mut judge = Evaluator::new(&reference, &samples, &offsets, channels, self.seed);
         if self.metrics == MetricsArg::All {
             judge = judge.with_pictures(lights);
         }

@@ -186,7 +186,7 @@ impl Factor {
         if self.json {
             writeln!(out, "{json}")?;
         } else {
-            summarise(out, &report, &place)?;
+            summarize(out, &report, &place)?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -289,7 +289,7 @@ fn model_file(report: &Report, outcome: &Outcome) -> ModelFile {
     }
 }
 
-fn summarise(
+fn summarize(
     out: &mut impl Write,
     report: &Report,
     place: &std::path::Path,

@@ -35,7 +35,7 @@ pub(super) struct SearchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     restarts: Option<u32>,
 
-    /// What --search powell minimises [default: relative]
+    /// What --search powell minimizes [default: relative]
     #[arg(long, value_enum)]
     objective: Option<ObjectiveArg>,
 

@@ -14,8 +14,8 @@ use brdf_model::{
 };
 use brdf_param::Parametrization;
 use brdf_separable::{
-    BrdfMatrix, Chart, Decomposition, EigenSolver, Fill, Layout, MatrixParams, SeparableParams,
-    ValueMap, factorize,
+    BrdfMatrix, HemisphereGrid, Decomposition, EigenSolver, Fill, Layout, MatrixParams, SeparableParams,
+    ValueTransform, factorize_matrix,
 };
 
 use super::Factor;
@@ -125,7 +125,7 @@ impl Factor {
         if self.json {
             writeln!(out, "{json}")?;
         } else {
-            summarise(out, &file, &report)?;
+            summarize(out, &file, &report)?;
             writeln!(out, "{}", place.join("report.html").display())?;
         }
         Ok(ExitCode::SUCCESS)
@@ -155,14 +155,14 @@ impl Factor {
             let nodes = self.read.nodes();
             return Ok(Layout::new(
                 parametrization,
-                Chart::MerlThetaH { nodes },
-                Chart::MerlThetaDPhiD { nodes },
+                HemisphereGrid::MerlThetaH { nodes },
+                HemisphereGrid::MerlThetaDPhiD { nodes },
             ));
         };
         let resolution = args.resolution.unwrap_or(48) as usize;
-        let plane = Chart::Plane { map: hemisphere, resolution };
+        let plane = HemisphereGrid::Plane { map: hemisphere, resolution };
         let first =
-            if args.isotropic { Chart::Radius { map: hemisphere, resolution } } else { plane };
+            if args.isotropic { HemisphereGrid::Radius { map: hemisphere, resolution } } else { plane };
         Ok(Layout::new(parametrization, first, plane))
     }
 
@@ -277,7 +277,7 @@ impl Factor {
             asymmetry = matrix.asymmetry();
             matrix = matrix.symmetrized()?;
         }
-        let fit = factorize(&matrix, &params)?;
+        let fit = factorize_matrix(&matrix, &params)?;
         let seconds = start.elapsed().as_secs_f64();
         progress.done(3);
 
@@ -337,19 +337,19 @@ impl Factor {
     }
 
     /// What of each channel is factored; offsets of logarithms from the mean of what was drawn.
-    fn value_maps(&self, samples: Option<&SampleSet>, channels: Channels) -> [ValueMap; 3] {
+    fn value_maps(&self, samples: Option<&SampleSet>, channels: Channels) -> [ValueTransform; 3] {
         if self.method != MethodArg::LogSvd {
-            return [ValueMap::Linear; 3];
+            return [ValueTransform::Linear; 3];
         }
         if self.log_map == LogMapArg::Cosine {
-            return [ValueMap::Cosine; 3];
+            return [ValueTransform::Cosine; 3];
         }
         let offsets = samples.map_or_else(Vec::new, log_offsets);
         let offset = |channel: usize| {
             let channel = if channels == Channels::Luminance { 0 } else { channel };
             offsets.get(channel).copied().unwrap_or(1e-5)
         };
-        std::array::from_fn(|channel| ValueMap::Offset { a: offset(channel) })
+        std::array::from_fn(|channel| ValueTransform::Offset { a: offset(channel) })
     }
 }
 
@@ -357,7 +357,7 @@ fn smaller_side(layout: &Layout) -> usize {
     layout.first.nodes().len().min(layout.second.nodes().len())
 }
 
-fn summarise(
+fn summarize(
     out: &mut impl Write,
     file: &SeparableFile,
     report: &SeparableReport,

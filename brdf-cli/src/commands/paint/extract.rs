@@ -7,12 +7,12 @@ use std::time::Instant;
 
 use anyhow::{Context as _, bail};
 use brdf_io::{
-    OutputFolder, PaintRecord, PaintedFile, ReadOptions, Scene, painted_to_bytes, read_buffers,
+    OutputFolder, PaintRecord, PaintedFile, ReadOptions, PaintScene, painted_to_bytes, read_buffers,
     read_painting, read_scene, write_exr,
 };
 use brdf_paint::pictures::{contradictions_view, coverage_view, map_view, view_strip};
 use brdf_paint::{
-    Extraction, Mode, PaintErrors, PaintLogMap, PaintParams, PaintSamples, PaintedImage,
+    Extraction, Mode, PaintErrors, PaintLogTransform, PaintParams, PaintSamples, PaintedImage,
     SolverChoice, ViewBuffers, extract, face_views,
 };
 use brdf_render::{DirectionalLight, Light, SphereView, ToneMap, UvSource, render_sphere};
@@ -143,7 +143,7 @@ struct Painted {
 }
 
 impl Painted {
-    fn read(&self, scene: &Scene) -> anyhow::Result<(ViewBuffers, PaintedImage)> {
+    fn read(&self, scene: &PaintScene) -> anyhow::Result<(ViewBuffers, PaintedImage)> {
         let buffers = read_buffers(&self.buffers, scene.size)?;
         Ok((buffers, read_painting(&self.picture)?.balanced(self.white)))
     }
@@ -198,7 +198,7 @@ impl Extract {
             passed_over += samples.len().saturating_sub(most);
             let is_held_out = self.hold_out.contains(&of_view.name);
             let into = if is_held_out { &mut held_out } else { &mut training };
-            into.append(samples.thinned(most));
+            into.append(samples.subset(most));
         }
         if passed_over > 0 {
             notes.push(format!("{passed_over} pixels are more than --pixels and were not used"));
@@ -298,15 +298,15 @@ impl Extract {
             map_size: self.map_size,
             smoothing: self.smoothing,
             log_map: match self.log_map {
-                LogMapArg::Offset => PaintLogMap::Offset(self.offset.unwrap_or(0.05)),
-                LogMapArg::Highlight => PaintLogMap::Highlight,
+                LogMapArg::Offset => PaintLogTransform::Offset(self.offset.unwrap_or(0.05)),
+                LogMapArg::Highlight => PaintLogTransform::Highlight,
             },
             wraps,
         }
     }
 
     /// Views that were painted, and what should be said about the others.
-    fn find_views(&self, scene: &Scene) -> anyhow::Result<(Vec<Painted>, Vec<String>)> {
+    fn find_views(&self, scene: &PaintScene) -> anyhow::Result<(Vec<Painted>, Vec<String>)> {
         let folder = self.scene.join("painted");
         let pictures = pictures_in(&folder)?;
         let (mut painted, mut missing) = (Vec::new(), Vec::new());
@@ -348,7 +348,7 @@ impl Extract {
     /// Errors of views and lights between the painted ones, where what was painted is known.
     fn truth_errors(
         &self,
-        scene: &Scene,
+        scene: &PaintScene,
         made: &Extraction,
     ) -> anyhow::Result<Option<PaintErrors>> {
         let Some(record) = &scene.truth else { return Ok(None) };
@@ -373,7 +373,7 @@ impl Extract {
     fn write_pictures(
         &self,
         folder: &mut OutputFolder,
-        scene: &Scene,
+        scene: &PaintScene,
         made: &Extraction,
         painted: &[Painted],
     ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {

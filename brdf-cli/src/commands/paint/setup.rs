@@ -6,12 +6,12 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use brdf_io::{
-    OutputFolder, ReadOptions, Scene, TruthRecord, buffers_to_exr, painting_to_exr, read_views,
+    OutputFolder, ReadOptions, PaintScene, TruthRecord, buffers_to_exr, painting_to_exr, read_views,
     scene_to_toml,
 };
 use brdf_model::Brdf;
 use brdf_paint::pictures::guide;
-use brdf_paint::{BlendedTruth, View, ViewBuffers, spiral_views, vertex_views};
+use brdf_paint::{GroundTruth, PaintView, ViewBuffers, spiral_views, vertex_views};
 use brdf_render::Mesh;
 use serde_json::json;
 
@@ -132,7 +132,7 @@ impl Setup {
         });
         let mesh = self.mesh.to_string_lossy().into_owned();
         let uv = mesh_uv;
-        let scene = Scene { mesh, uv, size: self.size, views, truth };
+        let scene = PaintScene { mesh, uv, size: self.size, views, truth };
         folder.write("scene.toml", scene_to_toml(&scene)?.as_bytes())?;
         // `brdf`, by which the folder is known as ours, comes first of all keys.
         let report = json!({
@@ -154,7 +154,7 @@ impl Setup {
         Ok(ExitCode::SUCCESS)
     }
 
-    fn open_views(&self, mesh: &Mesh) -> anyhow::Result<Vec<View>> {
+    fn open_views(&self, mesh: &Mesh) -> anyhow::Result<Vec<PaintView>> {
         let views = match self.views.parse::<usize>() {
             Ok(12) => vertex_views(mesh),
             Ok(count) if (1..=1000).contains(&count) => spiral_views(mesh, count),
@@ -176,8 +176,8 @@ impl Setup {
 }
 
 /// The blend of three materials, unscaled.
-pub(super) fn blended(subjects: &[Subject]) -> Option<BlendedTruth<'_>> {
+pub(super) fn blended(subjects: &[Subject]) -> Option<GroundTruth<'_>> {
     let [a, b, c] = subjects else { return None };
     let brdfs: [&dyn Brdf; 3] = [a.brdf(), b.brdf(), c.brdf()];
-    Some(BlendedTruth { brdfs, scale: 1.0 })
+    Some(GroundTruth { brdfs, scale: 1.0 })
 }

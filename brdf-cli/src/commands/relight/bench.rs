@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use brdf_relight::{LightSampler, Occluder, Precomputation, RelightError, RelitScene, picture};
+use brdf_relight::{CubeLightSampler, Occluder, Precomputation, RelightError, RelitScene, render};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -49,7 +49,7 @@ impl Bench {
         let shot = self.shot.with_points(1);
         let mut relit = RelitScene::default();
         let degrees = |frame: u32| 360.0 * f64::from(frame) / f64::from(self.frames);
-        let sampler = LightSampler::default();
+        let sampler = CubeLightSampler::default();
         let light_at = |degrees: f64| sampler.light(&environment, self.light.rotation(degrees));
         let lit = self.light.coefficients(&light_at(0.0));
         relit.relight(&file.parts, &lit);
@@ -62,10 +62,10 @@ impl Bench {
         let light = timed(&mut |frame| {
             let lit = self.light.coefficients(&light_at(degrees(frame)));
             relit.relight(&file.parts, &lit);
-            picture(&file.parts, &relit, &shot.shot(&mesh, 0.0));
+            render(&file.parts, &relit, &shot.shot(&mesh, 0.0));
         });
         let view = timed(&mut |frame| {
-            picture(&file.parts, &relit, &shot.shot(&mesh, degrees(frame)));
+            render(&file.parts, &relit, &shot.shot(&mesh, degrees(frame)));
         });
         let occluder = Occluder::of(&mesh);
         let mut seconds = 0.0;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use brdf_io::{MappedFile, RelightFile, parse_relight, read_environment};
-use brdf_relight::{CubeLight, LightRule, LightSampler, LitCoefficients, Shot};
+use brdf_relight::{CubeLight, LightRule, CubeLightSampler, LitCoefficients, RenderParams};
 use brdf_render::{Camera, Environment, Mesh, Soup};
 use clap::ValueEnum;
 use glam::DVec3;
@@ -89,7 +89,7 @@ impl LightArgs {
     }
 
     pub(super) fn light(&self) -> anyhow::Result<CubeLight> {
-        Ok(LightSampler::default().light(&self.environment()?, self.rotation(0.0)))
+        Ok(CubeLightSampler::default().light(&self.environment()?, self.rotation(0.0)))
     }
 
     pub(super) fn rule(&self) -> LightRule {
@@ -146,7 +146,7 @@ fn view(text: &str) -> Result<[f64; 3], String> {
 
 impl ShotArgs {
     /// The view turned by `more` degrees.
-    pub(super) fn shot(&self, mesh: &Mesh, more: f64) -> Shot {
+    pub(super) fn shot(&self, mesh: &Mesh, more: f64) -> RenderParams {
         let [azimuth, elevation, radii] = self.view;
         let ((sin, cos), up) = ((azimuth + more).to_radians().sin_cos(), elevation.to_radians());
         let from = DVec3::new(up.cos() * sin, up.sin(), up.cos() * cos);
@@ -154,7 +154,7 @@ impl ShotArgs {
         let eye = mesh.centre() + radii * mesh.radius() * from;
         let camera =
             Camera::looking_at(eye, mesh.centre(), whole.up(), whole.fov()).unwrap_or(whole);
-        Shot { camera, size: self.size as usize, points: self.points as usize }
+        RenderParams { camera, size: self.size as usize, points: self.points as usize }
     }
 
     pub(super) fn with_points(&self, points: u32) -> Self {

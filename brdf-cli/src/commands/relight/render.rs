@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use brdf_io::write_atomically;
-use brdf_relight::{RelitScene, picture};
+use brdf_relight::{RelitScene, render};
 use brdf_render::ToneMap;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
@@ -51,7 +51,7 @@ impl Render {
         let mut relit = RelitScene::default();
         relit.relight(&file.parts, &lit);
         let shot = self.shot.shot(&mesh, 0.0);
-        let (film, negative) = picture(&file.parts, &relit, &shot);
+        let (film, negative) = render(&file.parts, &relit, &shot);
         let tone = self
             .exposure
             .map_or_else(|| ToneMap::exposed_for(&film), |exposure| ToneMap { exposure });

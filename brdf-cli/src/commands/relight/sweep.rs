@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use brdf_io::{OutputFolder, ReadOptions};
 use brdf_model::Brdf;
 use brdf_plot::{Curves, Scale, Series, plot_curves};
-use brdf_relight::{CubeLight, Occluder, Part, RelitScene, Shot, Transport, exact_part, picture};
+use brdf_relight::{CubeLight, Occluder, Part, RelitScene, RenderParams, Transport, exact_part, render};
 use brdf_render::{Film, Mesh, Panel, Pixel, ToneMap, strip};
 use serde_json::json;
 
@@ -86,7 +86,7 @@ impl Sweep {
             if what == "terms" {
                 keep_terms(&parts[0], &mut relit.parts[0], *value);
             }
-            Ok(picture(&parts, &relit, &shot).0)
+            Ok(render(&parts, &relit, &shot).0)
         });
         let films = films.collect::<anyhow::Result<Vec<Film>>>()?;
         let brdf = (what == "terms").then(|| subject.brdf());
@@ -164,7 +164,7 @@ fn by_brute_force(
     mesh: &Mesh,
     brdf: Option<&dyn Brdf>,
     light: &CubeLight,
-    shot: &Shot,
+    shot: &RenderParams,
 ) -> Film {
     let vertices = parts.iter().map(|part| part.surface.positions.len() as u64).sum();
     let progress = Progress::new(vertices);
@@ -180,7 +180,7 @@ fn by_brute_force(
         part
     });
     let parts: Vec<Part<'_>> = parts.collect();
-    picture(&parts, &relit, shot).0
+    render(&parts, &relit, shot).0
 }
 
 /// Sets what arrives for further terms to 0.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use brdf_io::OutputFolder;
-use brdf_relight::{LightSampler, RelitScene, picture};
+use brdf_relight::{CubeLightSampler, RelitScene, render};
 use brdf_render::ToneMap;
 use clap::ValueEnum;
 use serde_json::json;
@@ -65,7 +65,7 @@ impl Turntable {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);
-        let sampler = LightSampler::default();
+        let sampler = CubeLightSampler::default();
         let mut folder = OutputFolder::new(&self.output, self.force)?;
         let progress = Progress::new(self.frames.into());
         progress.step("frames");
@@ -81,7 +81,7 @@ impl Turntable {
                 let light = sampler.light(&environment, self.light.rotation(light));
                 relit.relight(&file.parts, &self.light.coefficients(&light));
             }
-            let (film, _) = picture(&file.parts, &relit, &self.shot.shot(&mesh, view));
+            let (film, _) = render(&file.parts, &relit, &self.shot.shot(&mesh, view));
             let tone = *tone.get_or_insert_with(|| ToneMap::exposed_for(&film));
             folder.write(&format!("frame-{:03}.png", frame + 1), &png(&tone.apply(&film))?)?;
             progress.done(1);

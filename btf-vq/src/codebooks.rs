@@ -41,7 +41,7 @@ impl ValueBook {
 
 /// Rows of indices into another book, with scales where the book has them.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub struct IndexBook {
+pub struct IndexCodebook {
     /// Entries in a row.
     pub len: usize,
     /// `[row][len]`.
@@ -50,7 +50,7 @@ pub struct IndexBook {
     pub scale: Vec<f32>,
 }
 
-impl IndexBook {
+impl IndexCodebook {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.index.len() / self.len.max(1)
@@ -74,7 +74,7 @@ impl IndexBook {
 
 /// The books that materials share.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Books {
+pub struct Codebooks {
     /// Lengths of rows and meaning of nodes.
     pub grid: AngularGrid,
     /// What values mean.
@@ -84,19 +84,19 @@ pub struct Books {
     /// Luminance along β, of unit integral (trapezoidal rule over nodes).
     pub p1: ValueBook,
     /// Over α, into P1.
-    pub p2: IndexBook,
+    pub p2: IndexCodebook,
     /// Two chrominances.
     pub c: ValueBook,
     /// Along β, into C.
-    pub i1: IndexBook,
+    pub i1: IndexCodebook,
     /// Over α, into I1.
-    pub i2: IndexBook,
+    pub i2: IndexCodebook,
     /// Into P2 and into I2.
-    pub m: IndexBook,
+    pub m: IndexCodebook,
     /// Over θv, into M.
-    pub p3: IndexBook,
+    pub p3: IndexCodebook,
     /// Over φv, into P3.
-    pub p4: IndexBook,
+    pub p4: IndexCodebook,
 }
 
 /// One texture of a compressed BTF.
@@ -145,7 +145,7 @@ pub struct Material {
     /// What it is.
     pub info: TextureInfo,
     /// P6: into P4, one entry a texel; the finest level first, each next one half as large.
-    pub levels: Vec<IndexBook>,
+    pub levels: Vec<IndexCodebook>,
 }
 
 /// Size of a level of a texture.
@@ -153,11 +153,11 @@ pub fn level_size(width: usize, height: usize, level: usize) -> (usize, usize) {
     ((width >> level).max(1), (height >> level).max(1))
 }
 
-impl Books {
+impl Codebooks {
     /// Empty books.
     pub fn new(grid: AngularGrid, encoding: Encoding, chroma: Chroma) -> Self {
         let values = |len| ValueBook { len, values: Vec::new() };
-        let indices = |len| IndexBook { len, index: Vec::new(), scale: Vec::new() };
+        let indices = |len| IndexCodebook { len, index: Vec::new(), scale: Vec::new() };
         Self {
             grid,
             encoding,
@@ -252,7 +252,7 @@ impl Books {
 
     /// Moves factors upwards until every slice has a unit integral over light directions (counted in
     /// nodes) or sum over views, and P6 carries the rest. Rows of zeros stay zeros.
-    pub fn normalise(&mut self, materials: &mut [Material]) {
+    pub fn normalize(&mut self, materials: &mut [Material]) {
         let (alphas, betas) = (self.grid.alphas, self.grid.betas);
         let sums = self.p1.values.chunks_exact_mut(betas).map(|row| {
             let sum = row.iter().zip(AngularGrid::trapezoid(betas)).map(|(v, w)| v * w).sum();
@@ -260,10 +260,10 @@ impl Books {
             sum
         });
         let p1: Vec<f32> = sums.collect();
-        let p2 = normalise_book(&mut self.p2, &p1, AngularGrid::trapezoid(alphas));
+        let p2 = normalize_book(&mut self.p2, &p1, AngularGrid::trapezoid(alphas));
         let m: Vec<f32> = self.m.index.chunks_exact(2).map(|pair| p2[pair[0] as usize]).collect();
-        let p3 = normalise_book(&mut self.p3, &m, std::iter::repeat(1.0));
-        let p4 = normalise_book(&mut self.p4, &p3, std::iter::repeat(1.0));
+        let p3 = normalize_book(&mut self.p3, &m, std::iter::repeat(1.0));
+        let p4 = normalize_book(&mut self.p4, &p3, std::iter::repeat(1.0));
         for level in materials.iter_mut().flat_map(|material| &mut material.levels) {
             for (scale, index) in level.scale.iter_mut().zip(&level.index) {
                 *scale *= p4[*index as usize];
@@ -279,8 +279,8 @@ fn scale_row(row: &mut [f32], sum: f32) {
 }
 
 /// Multiplies in what the rows below gave up, and returns what these rows give up.
-fn normalise_book(
-    book: &mut IndexBook,
+fn normalize_book(
+    book: &mut IndexCodebook,
     below: &[f32],
     weights: impl Iterator<Item = f32> + Clone,
 ) -> Vec<f32> {

@@ -1,11 +1,11 @@
-//! Scalar quantisation of scales and values.
+//! Scalar quantization of scales and values.
 
 use serde::{Deserialize, Serialize};
 
 /// How codes are spaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Law {
+pub enum Spacing {
     /// Equal steps from the least to the largest value.
     Linear,
     /// Equal ratios; code 0 is 0.
@@ -14,11 +14,11 @@ pub enum Law {
 
 /// Codes of a few bits for the values of a book.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quantiser {
+pub struct Quantizer {
     /// Bits of a code, 1 to 16.
     pub bits: u32,
     /// How they are spaced.
-    pub law: Law,
+    pub spacing: Spacing,
     /// Least value (above 0, of a logarithmic one).
     pub min: f32,
     /// Largest value.
@@ -31,16 +31,16 @@ const LINEAR_RANGE: f32 = 64.0;
 /// Least value of logarithmic steps over the largest.
 const LEAST_SHARE: f32 = 1e-5;
 
-impl Quantiser {
+impl Quantizer {
     /// Linear steps, as in the paper, or logarithmic ones where values differ by more than a factor of
     /// 64.
     pub fn for_scales(bits: u32, scales: &[f32]) -> Self {
         let (min, max) = range(scales.iter().copied().filter(|s| *s > 0.0));
         let has_zero = scales.contains(&0.0);
         if max > LINEAR_RANGE * min || (has_zero && scales.iter().all(|s| *s <= 0.0)) {
-            Self { bits, law: Law::Log, min, max }
+            Self { bits, spacing: Spacing::Log, min, max }
         } else {
-            Self { bits, law: Law::Linear, min: if has_zero { 0.0 } else { min }, max }
+            Self { bits, spacing: Spacing::Linear, min: if has_zero { 0.0 } else { min }, max }
         }
     }
 
@@ -48,13 +48,13 @@ impl Quantiser {
     /// not make the others coarse.
     pub fn logarithmic(bits: u32, scales: &[f32]) -> Self {
         let (min, max) = range(scales.iter().copied().filter(|s| *s > 0.0));
-        Self { bits, law: Law::Log, min: min.max(max * LEAST_SHARE), max }
+        Self { bits, spacing: Spacing::Log, min: min.max(max * LEAST_SHARE), max }
     }
 
     /// Linear steps.
     pub fn linear(bits: u32, values: impl Iterator<Item = f32>) -> Self {
         let (min, max) = range(values);
-        Self { bits, law: Law::Linear, min, max }
+        Self { bits, spacing: Spacing::Linear, min, max }
     }
 
     fn top(&self) -> u32 {
@@ -69,13 +69,13 @@ impl Quantiser {
         reason = "clamped to codes of at most 16 bits"
     )]
     pub fn encode(&self, value: f32) -> u32 {
-        let (position, first) = match self.law {
-            _ if self.max <= self.min => (0.0, u32::from(self.law == Law::Log)),
-            Law::Linear => ((value - self.min) / (self.max - self.min), 0),
-            Law::Log => ((value / self.min).ln() / (self.max / self.min).ln(), 1),
+        let (position, first) = match self.spacing {
+            _ if self.max <= self.min => (0.0, u32::from(self.spacing == Spacing::Log)),
+            Spacing::Linear => ((value - self.min) / (self.max - self.min), 0),
+            Spacing::Log => ((value / self.min).ln() / (self.max / self.min).ln(), 1),
         };
         // Below half of the least value 0 is nearer.
-        if self.law == Law::Log && value <= 0.5 * self.min {
+        if self.spacing == Spacing::Log && value <= 0.5 * self.min {
             return 0;
         }
         let steps = (self.top() - first) as f32;
@@ -85,12 +85,12 @@ impl Quantiser {
     /// The value of a code.
     #[expect(clippy::cast_precision_loss, reason = "codes have at most 16 bits")]
     pub fn decode(&self, code: u32) -> f32 {
-        match self.law {
-            Law::Linear => {
+        match self.spacing {
+            Spacing::Linear => {
                 self.min + (self.max - self.min) * code.min(self.top()) as f32 / self.top() as f32
             }
-            Law::Log if code == 0 => 0.0,
-            Law::Log => {
+            Spacing::Log if code == 0 => 0.0,
+            Spacing::Log => {
                 let steps = (self.top() - 1).max(1) as f32;
                 self.min * (self.max / self.min).powf((code.min(self.top()) - 1) as f32 / steps)
             }
@@ -102,10 +102,12 @@ impl Quantiser {
         (0..=self.top()).map(|code| self.decode(code)).collect()
     }
 
-    /// Whether a header's quantiser can be used.
+    /// Whether a header's quantizer can be used.
     pub(crate) fn is_sound(&self) -> bool {
         let is_finite = self.min.is_finite() && self.max.is_finite() && self.max >= self.min;
-        (1..=16).contains(&self.bits) && is_finite && (self.law == Law::Linear || self.min > 0.0)
+        (1..=16).contains(&self.bits)
+            && is_finite
+            && (self.spacing == Spacing::Linear || self.min > 0.0)
     }
 }
 
@@ -122,11 +124,15 @@ mod tests {
 
     #[test]
     fn every_code_is_its_own_nearest() {
-        for law in [Law::Linear, Law::Log] {
+        for spacing in [Spacing::Linear, Spacing::Log] {
             for bits in [1, 5, 8, 16] {
-                let quantiser = Quantiser { bits, law, min: 0.01, max: 3.0 };
+                let quantizer = Quantizer { bits, spacing, min: 0.01, max: 3.0 };
                 for code in 0..(1_u32 << bits).min(700) {
-                    assert_eq!(quantiser.encode(quantiser.decode(code)), code, "{law:?} {bits}");
+                    assert_eq!(
+                        quantizer.encode(quantizer.decode(code)),
+                        code,
+                        "{spacing:?} {bits}"
+                    );
                 }
             }
         }
@@ -135,8 +141,8 @@ mod tests {
     #[test]
     fn zero_stays_zero() {
         for scales in [vec![0.0, 0.5, 0.7], vec![0.0, 1e-4, 0.7], vec![0.0]] {
-            let quantiser = Quantiser::for_scales(8, &scales);
-            assert!(quantiser.decode(quantiser.encode(0.0)).abs() < 1e-12, "{scales:?}");
+            let quantizer = Quantizer::for_scales(8, &scales);
+            assert!(quantizer.decode(quantizer.encode(0.0)).abs() < 1e-12, "{scales:?}");
         }
     }
 }

@@ -7,7 +7,7 @@ use brdf_model::SampleSet;
 /// Which logarithm is fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum LogMap {
+pub enum LogTransform {
     /// log(a + f) with a = 1e-5 of the channel's mean. Exact zeros stay in.
     #[default]
     Offset,
@@ -20,7 +20,7 @@ pub enum LogMap {
 /// The map of one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "map", rename_all = "kebab-case")]
-pub enum ChannelMap {
+pub enum ChannelTransform {
     /// ln(a + f).
     Offset {
         /// a in sr⁻¹.
@@ -37,13 +37,13 @@ pub enum ChannelMap {
     Zero,
 }
 
-/// How far a of [`ChannelMap::Highlight`] lies above the largest value: the brightest sample then
+/// How far a of [`ChannelTransform::Highlight`] lies above the largest value: the brightest sample then
 /// is 1 % of a away from the singularity.
 const HIGHLIGHT_MARGIN: f64 = 1.01;
 
-impl ChannelMap {
+impl ChannelTransform {
     /// The maps of each channel of a set of samples.
-    pub fn for_samples(log_map: LogMap, samples: &SampleSet) -> Vec<Self> {
+    pub fn for_samples(log_map: LogTransform, samples: &SampleSet) -> Vec<Self> {
         samples
             .values()
             .iter()
@@ -52,15 +52,15 @@ impl ChannelMap {
                 let largest = channel.iter().copied().fold(0.0, f64::max);
                 match log_map {
                     _ if largest <= 0.0 => Self::Zero,
-                    LogMap::Offset => Self::Offset { a: offset },
-                    LogMap::Log => Self::Log,
-                    LogMap::Highlight => Self::highlight(largest),
+                    LogTransform::Offset => Self::Offset { a: offset },
+                    LogTransform::Log => Self::Log,
+                    LogTransform::Highlight => Self::highlight(largest),
                 }
             })
             .collect()
     }
 
-    /// ln(a − f) for values up to `largest`; [`ChannelMap::Zero`] if that is not above 0.
+    /// ln(a − f) for values up to `largest`; [`ChannelTransform::Zero`] if that is not above 0.
     pub fn highlight(largest: f64) -> Self {
         if largest > 0.0 { Self::Highlight { a: HIGHLIGHT_MARGIN * largest } } else { Self::Zero }
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The map from reflectance to what a matrix holds, for one channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "map", rename_all = "kebab-case")]
-pub enum ValueMap {
+pub enum ValueTransform {
     /// f.
     #[default]
     Linear,
@@ -14,11 +14,11 @@ pub enum ValueMap {
         /// a in sr⁻¹.
         a: f64,
     },
-    /// ln(1 + f cosθi), the cosine not below [`ValueMap::SMALLEST_COSINE`].
+    /// ln(1 + f cosθi), the cosine not below [`ValueTransform::SMALLEST_COSINE`].
     Cosine,
 }
 
-impl ValueMap {
+impl ValueTransform {
     /// The cosine is divided out again, so it is kept away from 0.
     pub const SMALLEST_COSINE: f64 = 0.02;
 
@@ -47,7 +47,9 @@ mod tests {
 
     #[test]
     fn maps_return_what_they_took() {
-        for map in [ValueMap::Linear, ValueMap::Offset { a: 1e-5 }, ValueMap::Cosine] {
+        for map in
+            [ValueTransform::Linear, ValueTransform::Offset { a: 1e-5 }, ValueTransform::Cosine]
+        {
             for f in [0.0, 1e-3, 0.4, 250.0] {
                 for cosine in [1e-4, 0.3, 1.0] {
                     let back = map.inverse(map.forward(f, cosine), cosine);

@@ -12,7 +12,7 @@ use crate::SeparableError;
 /// A grid of texels over the hemisphere, or over polar angles alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "chart", rename_all = "kebab-case")]
-pub enum Chart {
+pub enum HemisphereGrid {
     /// `resolution`² texels over the square of a map, at (i + ½) / resolution. Of a disc only those
     /// whose centre lies inside are sampled. The first axis of polar and spherical maps is the
     /// azimuth and wraps around.
@@ -63,7 +63,7 @@ pub(crate) struct Taps {
 /// Texels along a side that a chart may have.
 const RESOLUTIONS: std::ops::RangeInclusive<usize> = 2..=1024;
 
-impl Chart {
+impl HemisphereGrid {
     /// Whether the resolution can be used.
     ///
     /// # Errors
@@ -294,11 +294,14 @@ impl Span {
 mod tests {
     use super::*;
 
-    fn charts() -> Vec<Chart> {
+    fn charts() -> Vec<HemisphereGrid> {
         HemisphereMap::ALL
             .into_iter()
             .flat_map(|map| {
-                [Chart::Plane { map, resolution: 48 }, Chart::Radius { map, resolution: 48 }]
+                [
+                    HemisphereGrid::Plane { map, resolution: 48 },
+                    HemisphereGrid::Radius { map, resolution: 48 },
+                ]
             })
             .collect()
     }
@@ -313,7 +316,7 @@ mod tests {
 
     #[test]
     fn the_orthographic_disc_of_48_texels_has_1804_equal_ones() {
-        let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution: 48 };
+        let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 48 };
         let nodes = chart.nodes();
         assert_eq!(nodes.len(), 1804);
         assert!(nodes.iter().all(|n| (n.weight / nodes[0].weight - 1.0).abs() < 1e-9));
@@ -321,9 +324,9 @@ mod tests {
 
     #[test]
     fn a_node_is_read_from_its_own_texel() {
-        let merl = [MerlNodes::Centre, MerlNodes::Edge]
-            .into_iter()
-            .flat_map(|nodes| [Chart::MerlThetaH { nodes }, Chart::MerlThetaDPhiD { nodes }]);
+        let merl = [MerlNodes::Centre, MerlNodes::Edge].into_iter().flat_map(|nodes| {
+            [HemisphereGrid::MerlThetaH { nodes }, HemisphereGrid::MerlThetaDPhiD { nodes }]
+        });
         for chart in charts().into_iter().chain(merl) {
             for node in chart.nodes() {
                 let taps = chart.taps(node.direction);
@@ -340,7 +343,7 @@ mod tests {
 
     #[test]
     fn rims_continue_what_is_known() {
-        let chart = Chart::Plane { map: HemisphereMap::OrthographicDisc, resolution: 8 };
+        let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 8 };
         let mut known = vec![false; 64];
         let mut values = vec![0.0; 128];
         for node in chart.nodes() {

@@ -17,7 +17,7 @@ const RUN: usize = 8;
 /// Texels in a subspace of `[channel][node]`, where squared lengths weigh nodes as images read them
 /// and channels as RGB has them.
 #[derive(Clone, Debug)]
-pub struct Survey {
+pub struct ProjectedTexels {
     pub(crate) grid: AngularGrid,
     pub(crate) encoding: Encoding,
     /// Square roots of the weights, `[channel][node]`.
@@ -33,21 +33,21 @@ pub struct Survey {
 
 /// How finely a survey looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SurveyParams {
+pub struct ProjectionParams {
     /// Dimensions of the subspace.
     pub dims: usize,
     /// Texels that it is found on.
     pub sample: usize,
 }
 
-impl Default for SurveyParams {
+impl Default for ProjectionParams {
     /// 192 dimensions held 98.3 % of the energy of a wool of 256² texels; 128 gave no lower PSNR.
     fn default() -> Self {
         Self { dims: 128, sample: 2048 }
     }
 }
 
-impl Survey {
+impl ProjectedTexels {
     /// Surveys sets of one grid and encoding. `progress` hears how many texels are done, out of all.
     ///
     /// # Errors
@@ -59,7 +59,7 @@ impl Survey {
     /// If there are no sets.
     pub fn of(
         sets: &[TexelSet<'_>],
-        params: SurveyParams,
+        params: ProjectionParams,
         progress: &(dyn Fn(usize) + Sync),
     ) -> Result<Self, VqError> {
         TexelSet::check_alike(sets)?;
