@@ -11,17 +11,16 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context as _;
+use brdf_image::{DIFFERENCE_GAIN, DisplayImage, Panel, ToneMap, strip};
 use brdf_io::{OutputFolder, png_bytes, read_mesh};
+use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_model::{Analytic, Preset};
 use brdf_paint::pictures::{compared, contradictions_view, painted, reconstructed};
 use brdf_paint::{
     Extraction, GroundTruth, LightSource, PaintParams, PaintSamples, PaintView, PaintedImage,
     PixelSurface, SolverChoice, ViewBuffers, extract, face_views, vertex_views,
 };
-use brdf_render::{
-    Camera, DIFFERENCE_GAIN, DirectionalLight, DisplayImage, Light, Mesh, MeshView, Panel, Soup,
-    ToneMap, render_mesh, strip,
-};
+use brdf_render::{DirectionalLight, Light, MeshView, render_mesh};
 use glam::{DVec2, DVec3};
 use maud::html;
 use serde_json::json;

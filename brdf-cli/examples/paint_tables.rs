@@ -14,13 +14,13 @@ use brdf_factor::{
     Damping, FactorParams, FactorSpec, Inversion, Plan, Preinverted, PreinvertedWorkspace, Problem,
 };
 use brdf_io::read_mesh;
+use brdf_mesh::Mesh;
 use brdf_model::{Brdf, Channels, Preset, Rgb, SampleSet, log_offsets, measure};
 use brdf_paint::{
     GroundTruth, Mode, PaintErrors, PaintParams, PaintSamples, PaintView, SolverChoice,
     ViewBuffers, extract, face_views, vertex_views,
 };
 use brdf_plot::{Curves, Plot, Scale, Series, plot_curves};
-use brdf_render::Mesh;
 
 /// Side of the painted pictures.
 const SIZE: usize = 512;
@@ -88,7 +88,6 @@ fn damping(views: &[ViewBuffers], others: &[ViewBuffers], brdf: &dyn Brdf) -> an
             let errors = [&set, &unseen]
                 .map(|set| measure(set, &fit.model, &offsets).log.mean_square.sqrt());
             println!("| {name} | {components} | {:.4} / {:.4} |", errors[0], errors[1]);
-            #[expect(clippy::cast_precision_loss, reason = "a place on an axis")]
             points.iter_mut().zip(errors).for_each(|(p, e)| p.push((components as f64, e)));
         }
         let [painted, held_out] = points;

@@ -4,8 +4,9 @@
 use std::time::Instant;
 
 use brdf_factor::{
-    Coordinate, CrossValidation, FactorError, FactorParams, FactorSpec, Fit, Inversion, LogTransform,
-    Plan, Preinverted, Problem, TermSolve, cross_validate, factorize, factorize_terms,
+    Coordinate, CrossValidation, FactorError, FactorParams, FactorSpec, Fit, Inversion,
+    LogTransform, Plan, Preinverted, Problem, TermSolve, cross_validate, factorize,
+    factorize_terms,
 };
 use brdf_io::{BasisFile, FitSettings, TermRecord};
 use brdf_model::{
@@ -254,8 +255,7 @@ impl Training {
         families: usize,
     ) -> SearchSamples {
         // No more copies of rows than there would be drawn pairs: planes do not need them.
-        let fair =
-            |rows: SampleSet| rows.shuffled(settings.seed).subset(settings.samples as usize);
+        let fair = |rows: SampleSet| rows.shuffled(settings.seed).subset(settings.samples as usize);
         let fitted = match &self.held_out {
             HeldOut::Drawn(_) => self.fitted.clone(),
             HeldOut::Folds(_) => fair(self.fitted.clone()),
@@ -330,7 +330,6 @@ fn fit_for(log_map: LogTransform, rows: SampleSet) -> SampleSet {
 fn coverage(subject: &Subject, settings: &FitSettings) -> f64 {
     let sampling = PairSampling { count: 4_000, seed: 1, theta_max: settings.params.theta_max };
     let covered = sampling.pairs().filter(|pair| subject.brdf().has_data(pair)).count();
-    #[expect(clippy::cast_precision_loss, reason = "four thousand pairs")]
     let share = covered as f64 / f64::from(sampling.count);
     share
 }

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use brdf_io::read_mesh;
-use brdf_render::{Camera, Mesh, Soup, UvSource};
+use brdf_mesh::{Camera, Mesh, Soup, UvSource};
 use clap::ValueEnum;
 use glam::DVec3;
 
@@ -105,6 +105,6 @@ pub(crate) fn open_mesh(path: &Path, uv: Option<UvSource>) -> anyhow::Result<Mes
         Some(UvSource::Sphere) => mesh.with_sphere_coordinates(),
         Some(UvSource::Atlas) => mesh.with_atlas(ATLAS_SIZE)?,
         Some(UvSource::File) if mesh.uv_source() == UvSource::File => mesh,
-        Some(UvSource::File) => return Err(brdf_render::MeshError::NoTextureCoordinates.into()),
+        Some(UvSource::File) => return Err(brdf_mesh::MeshError::NoTextureCoordinates.into()),
     })
 }

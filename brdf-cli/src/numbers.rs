@@ -22,7 +22,6 @@ pub(crate) fn or_dash(value: Option<f64>) -> String {
 
 /// A count of bytes in the unit that fits.
 pub(crate) fn bytes(count: usize) -> String {
-    #[expect(clippy::cast_precision_loss, reason = "shown with three digits")]
     let real = count as f64;
     match count {
         0..1_000 => format!("{count} B"),

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use brdf_factor::{ChannelTransform, Factor, FactoredBrdf};
+use brdf_image::{DIFFERENCE_GAIN, DisplayImage, Film, Panel, ToneMap, difference, strip};
 use brdf_io::{IoError, OutputFolder, SeparableFile, png_bytes, read_environment, write_exr};
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::{DirectionPair, Parametrization};
 use brdf_plot::{Plot, plot_slices};
 use brdf_render::{
-    DIFFERENCE_GAIN, DirectionalLight, DisplayImage, Environment, Film, Light, Panel, Side,
-    SphereView, ToneMap, difference, render_sphere, strip, term_view, texture_view,
+    DirectionalLight, Environment, Light, Side, SphereView, render_sphere, term_view, texture_view,
 };
 use brdf_separable::SeparableBrdf;
 

@@ -39,7 +39,6 @@ fn left(state: &ProgressState, out: &mut dyn Write) {
     if done == 0 || all == 0 {
         return;
     }
-    #[expect(clippy::cast_precision_loss, reason = "an estimate")]
     let share = all.saturating_sub(done) as f64 / done as f64;
     let left = state.elapsed().mul_f64(share);
     // Nobody is there to hear that a line could not be formatted.

@@ -12,8 +12,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use brdf_image::DisplayImage;
 use brdf_io::png_bytes;
-use brdf_render::DisplayImage;
 use serde_json::Value;
 use support::{brdf, fail, succeed, text};
 use tempfile::TempDir;

@@ -52,7 +52,7 @@ fn evaluation(c: &mut Criterion) {
     group.throughput(Throughput::Elements(pairs.len() as u64));
     for (name, model) in &models {
         group.bench_function(format!("{name}, batch"), |b| {
-            b.iter(|| model.eval_batch(black_box(&batch), &mut out));
+            b.iter(|| model.eval_batch(black_box(batch.as_slices()), &mut out));
         });
     }
     group.bench_function("mccool, two textures, three lookups, single", |b| {

@@ -4,7 +4,7 @@
 //! load, the only step that cannot be laid out in arrays), and the inverse log map (arithmetic
 //! again). No fused multiply–add, so that every instruction set gives the same bits.
 
-use brdf_model::{DirectionBatch, RgbBatch};
+use brdf_model::{DirectionSlices, RgbBatch};
 
 use crate::coordinate::{Radial, Reading};
 use crate::{ChannelTransform, FactoredBrdf};
@@ -53,7 +53,7 @@ fn narrow(value: f64) -> f32 {
     value as f32
 }
 
-pub(crate) fn evaluate(model: &FactoredBrdf, pairs: &DirectionBatch, out: &mut RgbBatch) {
+pub(crate) fn evaluate(model: &FactoredBrdf, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
     out.resize(pairs.len());
     let readers = readers(model);
     // The widest vectors of the machine that runs this, chosen at run time.
@@ -65,7 +65,7 @@ pub(crate) fn evaluate(model: &FactoredBrdf, pairs: &DirectionBatch, out: &mut R
 struct Evaluate<'a> {
     model: &'a FactoredBrdf,
     readers: &'a [Reader<'a>],
-    pairs: &'a DirectionBatch,
+    pairs: DirectionSlices<'a>,
     out: &'a mut RgbBatch,
 }
 
@@ -84,7 +84,6 @@ fn readers(model: &FactoredBrdf) -> Vec<Reader<'_>> {
         .flat_map(|factor| {
             factor.coordinates().iter().map(move |coordinate| {
                 let size = factor.grid().size;
-                #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels")]
                 let last = (size - 1) as f64;
                 let extent = factor.extent();
                 let source = match coordinate.reading() {
@@ -108,7 +107,12 @@ fn readers(model: &FactoredBrdf) -> Vec<Reader<'_>> {
 }
 
 #[inline(always)]
-fn run(model: &FactoredBrdf, readers: &[Reader<'_>], pairs: &DirectionBatch, out: &mut RgbBatch) {
+fn run(
+    model: &FactoredBrdf,
+    readers: &[Reader<'_>],
+    pairs: DirectionSlices<'_>,
+    out: &mut RgbBatch,
+) {
     let needs = |wanted: Space| {
         readers.iter().any(|r| matches!(r.source, Source::Planar { space, .. } if space == wanted))
     };
@@ -142,8 +146,8 @@ fn run(model: &FactoredBrdf, readers: &[Reader<'_>], pairs: &DirectionBatch, out
     while start < pairs.len() {
         let len = TILE.min(pairs.len() - start);
         for axis in 0..3 {
-            tile.wi[axis][..len].copy_from_slice(&pairs.wi[axis][start..start + len]);
-            tile.wo[axis][..len].copy_from_slice(&pairs.wo[axis][start..start + len]);
+            tile.wi[axis][..len].copy_from_slice(&pairs.wi()[axis][start..start + len]);
+            tile.wo[axis][..len].copy_from_slice(&pairs.wo()[axis][start..start + len]);
         }
         // The tail of the last tile repeats harmless directions.
         for lane in len..TILE {
@@ -263,7 +267,6 @@ fn positions(tile: &mut Tile, source: &Source) {
 
 /// Adds a reader's interpolated texels to the sums.
 #[inline(always)]
-#[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
 fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
     let last_cell = (reader.size - 2) as f32;
     let cell = |position: f32| {
@@ -304,13 +307,13 @@ fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
 fn finish(
     tile: &Tile,
     maps: &[ChannelTransform],
-    pairs: &DirectionBatch,
+    pairs: DirectionSlices<'_>,
     start: usize,
     len: usize,
     out: &mut RgbBatch,
 ) {
     let mut lit = [0.0_f32; TILE];
-    let (zi, zo) = (&pairs.wi[2][start..start + len], &pairs.wo[2][start..start + len]);
+    let (zi, zo) = (&pairs.wi()[2][start..start + len], &pairs.wo()[2][start..start + len]);
     for ((lit, &i), &o) in lit.iter_mut().zip(zi).zip(zo) {
         *lit = f32::from(u8::from(i > 0.0 && o > 0.0));
     }

@@ -159,7 +159,6 @@ impl Columns {
                 found
             })
             .collect();
-        #[expect(clippy::cast_precision_loss, reason = "textures have at most a million texels")]
         let (texels, last) = (grid.texels() as f64, (grid.size - 1) as f64);
         let per_texel = problem.total_weight() / texels;
         Self {
@@ -379,7 +378,6 @@ fn taps(
     let unknown = |texel: usize| unknown_of[texel].unwrap_or_default();
     match coordinate.reading() {
         Reading::Planar(plane) => {
-            #[expect(clippy::cast_precision_loss, reason = "at most 1024 texels a side")]
             let middle = 0.5 * (size - 1) as f64;
             let rows = plane.projection.scaled_by(factor.extent()).rows();
             let [a, b] = rows.map(|row| (middle * row).to_array());

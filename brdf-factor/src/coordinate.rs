@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// A map from direction pairs to texture coordinates, before scaling.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Coordinate {
     /// Parabolic coordinates of the direction to the light.
@@ -202,6 +203,7 @@ impl Radial {
 
 /// A factor to be fitted: the coordinates that share its texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorSpec {
     /// At least one, all of the same dimension.
     pub coordinates: Vec<Coordinate>,

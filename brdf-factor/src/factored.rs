@@ -1,6 +1,6 @@
 //! A BRDF as a product of textures, as fitted: bilinear in log texels, sum, inverse log map.
 
-use brdf_model::{Brdf, Channels, DirectionBatch, Rgb, RgbBatch};
+use brdf_model::{Brdf, Channels, DirectionSlices, Rgb, RgbBatch};
 use brdf_param::{Bound, DirectionPair, DiscRadii};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,7 @@ use crate::{ChannelTransform, Coordinate, FactorError, Grid};
 
 /// A factor without its texels: what a file says about a texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorDescription {
     /// The coordinates that read the texture.
     pub coordinates: Vec<Coordinate>,
@@ -193,6 +194,7 @@ impl Factor {
 
 /// What was done to pairs and values while a model was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EvalCounts {
     /// Pairs with a direction beyond the grazing limit, which was pulled back to it.
     pub pulled_back: usize,
@@ -319,7 +321,7 @@ impl Brdf for FactoredBrdf {
         }
     }
 
-    fn eval_batch(&self, pairs: &DirectionBatch, out: &mut RgbBatch) {
+    fn eval_batch(&self, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
         batch::evaluate(self, pairs, out);
     }
 }

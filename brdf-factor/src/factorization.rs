@@ -14,6 +14,7 @@ use crate::{
 
 /// What a sample's squared log residual is multiplied by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Weight {
     /// 1: relative error counts.
@@ -27,6 +28,7 @@ pub enum Weight {
 
 /// Which textures are solved for when a model has several terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TermSolve {
     /// All of them together.
@@ -38,6 +40,7 @@ pub enum TermSolve {
 
 /// Options of a factorization.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorParams {
     /// Texels along each side of a texture, within [`crate::Grid::SIZES`].
     pub texture_size: usize,
@@ -259,7 +262,6 @@ pub(crate) fn settle_constants(
     factors: &mut [Factor],
     mut moved: [f64; 4],
 ) -> Result<(), FactorError> {
-    #[expect(clippy::cast_precision_loss, reason = "few coordinates, at most a million texels")]
     let real = |count: usize| count as f64;
     for index in (0..factors.len()).rev() {
         let factor = &mut factors[index];

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 /// In two dimensions texel (i, j) of `size` × `size` lies at (−1 + 2i/(size−1), −1 + 2j/(size−1)),
 /// row j; in one dimension texel i lies at i/(size−1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Grid {
     /// 1 or 2.
     pub dimensions: usize,
@@ -45,7 +46,6 @@ impl Grid {
     }
 
     /// Texture coordinates of a texel.
-    #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
     pub fn position(&self, texel: usize) -> DVec2 {
         let last = (self.size - 1) as f64;
         let (column, row) = ((texel % self.size) as f64, (texel / self.size) as f64);
@@ -85,7 +85,6 @@ impl Grid {
     }
 
     /// The texel below a position in [0, 1] and the way to the next.
-    #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
     pub(crate) fn along(&self, position: f64) -> (usize, f64) {
         self.cell(position * (self.size - 1) as f64)
     }
@@ -95,7 +94,6 @@ impl Grid {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "positions are clamped to the texture"
     )]
     #[inline]
@@ -111,7 +109,6 @@ impl Grid {
         if self.dimensions == 1 || outline.len() < 3 {
             return vec![true; self.texels()];
         }
-        #[expect(clippy::cast_precision_loss, reason = "textures have at most 1024 texels a side")]
         let texel = 2.0 / (self.size - 1) as f64;
         let hull = convex_hull(outline);
         // A texel exactly one step away has no weight, but must not be lost to rounding either.

@@ -6,6 +6,7 @@ use brdf_model::SampleSet;
 
 /// Which logarithm is fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LogTransform {
     /// log(a + f) with a = 1e-5 of the channel's mean. Exact zeros stay in.
@@ -19,6 +20,7 @@ pub enum LogTransform {
 
 /// The map of one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "map", rename_all = "kebab-case")]
 pub enum ChannelTransform {
     /// ln(a + f).

@@ -280,7 +280,6 @@ impl Problem {
 
 /// One weight per sample, the same for all channels, so that one matrix serves them all.
 fn weights(samples: &SampleSet, weight: Weight) -> Vec<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "one or three channels")]
     let channels = samples.values().len() as f64;
     let mean = |index: usize| samples.values().iter().map(|c| c[index]).sum::<f64>() / channels;
     let weights: Vec<f64> = (0..samples.len())

@@ -7,6 +7,7 @@ use crate::{FactorError, LinearSystem, NormalEquations, lsmr, qmr};
 
 /// How the least-squares problem is solved. All agree to 1e-8 in what the solution predicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {
     /// Dense Cholesky factorization of the normal equations: exact and fast up to

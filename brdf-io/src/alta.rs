@@ -9,8 +9,8 @@ use std::collections::HashMap;
 use brdf_model::{Channels, SampleSet};
 use brdf_param::{DirectionPair, spherical_direction};
 
-use crate::FormatError;
-use crate::error::quoted;
+use crate::error::{FormatError, quoted};
+use crate::note::ReadNote;
 
 const PARAM_IN: &str = "ISOTROPIC_TL_TV_PROJ_DPHI";
 
@@ -19,7 +19,7 @@ const PARAM_IN: &str = "ISOTROPIC_TL_TV_PROJ_DPHI";
 /// # Errors
 ///
 /// [`FormatError::Missing`] for another parametrization or the binary form; [`FormatError::Line`].
-pub fn read_alta(text: &str) -> Result<(SampleSet, Vec<String>), FormatError> {
+pub fn read_alta(text: &str) -> Result<(SampleSet, Vec<ReadNote>), FormatError> {
     let header = header(text);
     if header.get("FORMAT").is_some_and(|format| format.eq_ignore_ascii_case("binary")) {
         return Err(FormatError::Missing {
@@ -48,12 +48,11 @@ pub fn read_alta(text: &str) -> Result<(SampleSet, Vec<String>), FormatError> {
     let divide_by_cosine = match header.get("PARAM_OUT").copied() {
         Some("INV_STERADIAN" | "RGB_COLOR") => false,
         Some("INV_STERADIAN_COSINE_FACTOR") => {
-            notes.push("values held the cosine of the viewer; it was divided out".to_owned());
+            notes.push(ReadNote::CosineDividedOut);
             true
         }
         None => {
-            notes
-                .push("#PARAM_OUT is missing; values were taken as sr⁻¹ without cosine".to_owned());
+            notes.push(ReadNote::UnitAssumed);
             false
         }
         Some(other) => {

@@ -3,45 +3,78 @@
 use crate::FormatError;
 
 /// A place in a byte slice that only moves forward, and never past the end.
-pub(crate) struct Cursor<'a> {
+#[derive(Clone, Debug)]
+pub struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Cursor<'a> {
-    pub(crate) fn new(bytes: &'a [u8], at: usize) -> Self {
+    /// Returns a cursor at an offset.
+    pub fn new(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at }
     }
 
-    pub(crate) fn offset(&self) -> usize {
+    /// Returns the offset of the next byte.
+    pub fn offset(&self) -> usize {
         self.at
     }
 
-    pub(crate) fn take(&mut self, len: usize, what: &str) -> Result<&'a [u8], FormatError> {
+    /// Returns the next `len` bytes, of what a message calls `what`.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::PastEnd`].
+    pub fn take(&mut self, len: usize, what: &str) -> Result<&'a [u8], FormatError> {
         let taken = slice(self.bytes, self.at as u64, len, what)?;
         self.at += len;
         Ok(taken)
     }
 
-    pub(crate) fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], FormatError> {
+    /// Returns the next bytes as an array.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::PastEnd`].
+    pub fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], FormatError> {
         let mut array = [0; N];
         array.copy_from_slice(self.take(N, what)?);
         Ok(array)
     }
 
-    pub(crate) fn u8(&mut self, what: &str) -> Result<u8, FormatError> {
+    /// Returns the next number, little-endian.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::PastEnd`].
+    pub fn u8(&mut self, what: &str) -> Result<u8, FormatError> {
         self.array::<1>(what).map(|[byte]| byte)
     }
 
-    pub(crate) fn u16(&mut self, what: &str) -> Result<u16, FormatError> {
+    /// Returns the next number, little-endian.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::PastEnd`].
+    pub fn u16(&mut self, what: &str) -> Result<u16, FormatError> {
         self.array(what).map(u16::from_le_bytes)
     }
 
-    pub(crate) fn u32(&mut self, what: &str) -> Result<u32, FormatError> {
+    /// Returns the next number, little-endian.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::PastEnd`].
+    pub fn u32(&mut self, what: &str) -> Result<u32, FormatError> {
         self.array(what).map(u32::from_le_bytes)
     }
 
-    pub(crate) fn u64(&mut self, what: &str) -> Result<u64, FormatError> {
+    /// Returns the next number, little-endian.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::PastEnd`].
+    pub fn u64(&mut self, what: &str) -> Result<u64, FormatError> {
         self.array(what).map(u64::from_le_bytes)
     }
 }
@@ -59,10 +92,12 @@ pub(crate) fn slice<'a>(
         .ok_or_else(|| FormatError::PastEnd { offset, what: what.to_owned(), length: bytes.len() })
 }
 
-pub(crate) fn f64_values(bytes: &[u8]) -> impl ExactSizeIterator<Item = f64> + '_ {
+/// Returns the f64 values of little-endian bytes; a remainder is left out.
+pub fn f64_values(bytes: &[u8]) -> impl ExactSizeIterator<Item = f64> + '_ {
     bytes.as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk))
 }
 
-pub(crate) fn f32_values(bytes: &[u8]) -> Vec<f32> {
+/// Returns the f32 values of little-endian bytes; a remainder is left out.
+pub fn f32_values(bytes: &[u8]) -> Vec<f32> {
     bytes.as_chunks::<4>().0.iter().map(|chunk| f32::from_le_bytes(*chunk)).collect()
 }

@@ -5,8 +5,8 @@
 use brdf_model::{Channels, SampleSet};
 use brdf_param::DirectionPair;
 
-use crate::error::quoted;
-use crate::{FormatError, SpectrumToRgb};
+use crate::error::{FormatError, quoted};
+use crate::spectrum::SpectrumToRgb;
 
 /// Most wavelengths a file may have.
 const MAX_WAVELENGTHS: usize = 4096;

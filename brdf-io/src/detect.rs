@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::table::looks_like_table;
-use crate::{FormatError, merl, rgl, utia};
+use crate::FormatError;
 
-/// The formats that can be read.
+/// The formats that are known, whether or not their readers are built in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Format {
     /// MERL `.binary`.
@@ -23,8 +23,6 @@ pub enum Format {
     Table,
     /// NumPy archive of neural BRDFs.
     Nbrdf,
-    /// A container that this project wrote.
-    Native,
 }
 
 impl Format {
@@ -38,7 +36,6 @@ impl Format {
             Self::Alta => "ALTA text",
             Self::Table => "table of samples",
             Self::Nbrdf => "NBRDF archive",
-            Self::Native => "brdf container",
         }
     }
 }
@@ -49,19 +46,16 @@ impl Format {
 ///
 /// [`FormatError::Unknown`].
 pub fn detect(bytes: &[u8]) -> Result<Format, FormatError> {
-    if bytes.starts_with(rgl::MAGIC) {
+    if bytes.starts_with(RGL_MAGIC) {
         return Ok(Format::Rgl);
     }
     if bytes.starts_with(b"PK\x03\x04") {
         return Ok(Format::Nbrdf);
     }
-    if merl::looks_like_merl(bytes) {
+    if looks_like_merl(bytes) {
         return Ok(Format::Merl);
     }
-    if is_safetensors(bytes) {
-        return Ok(Format::Native);
-    }
-    if bytes.len() == utia::FILE_LENGTH {
+    if bytes.len() == UTIA_LENGTH {
         return Ok(Format::Utia);
     }
     let unknown = || FormatError::Unknown { start: printable(bytes) };
@@ -74,17 +68,36 @@ pub fn detect(bytes: &[u8]) -> Result<Format, FormatError> {
     match first {
         // The number of wavelengths stands alone on its line.
         Some(line) if line.parse::<u32>().is_ok() => Ok(Format::Cornell),
-        Some(_) if looks_like_table(text) => Ok(Format::Table),
+        Some(_) if has_header(text) => Ok(Format::Table),
         _ => Err(unknown()),
     }
 }
 
-/// A header length that fits, then the start of a JSON object.
-fn is_safetensors(bytes: &[u8]) -> bool {
-    let Some((length, rest)) = bytes.split_first_chunk::<8>() else { return false };
-    // One that was cut short still starts as it should.
-    rest.starts_with(b"{\"")
-        || rest.first() == Some(&b'{') && u64::from_le_bytes(*length) <= rest.len() as u64
+/// How RGL tensor files begin.
+pub(crate) const RGL_MAGIC: &[u8] = b"tensor_file\0";
+/// Length of every UTIA file: three planes of 288 × 288 doubles.
+pub(crate) const UTIA_LENGTH: usize = 3 * 8 * 288 * 288;
+/// theta_h, theta_d and phi_d of the MERL grid.
+pub(crate) const MERL_DIMENSIONS: [u32; 3] = [90, 90, 180];
+/// Length of every MERL file: three numbers, three planes of doubles.
+pub(crate) const MERL_LENGTH: usize = 12 + 3 * 8 * 90 * 90 * 180;
+
+/// The three dimensions are there, or the length is right and the dimensions are damaged: either
+/// way the reader has something useful to say.
+fn looks_like_merl(bytes: &[u8]) -> bool {
+    let header: Vec<u8> = MERL_DIMENSIONS.iter().flat_map(|d| d.to_le_bytes()).collect();
+    bytes.starts_with(&header) || bytes.len() == MERL_LENGTH
+}
+
+#[cfg(feature = "table")]
+fn has_header(text: &str) -> bool {
+    crate::table::looks_like_table(text)
+}
+
+/// Without the reader, whatever has rows of numbers.
+#[cfg(not(feature = "table"))]
+fn has_header(text: &str) -> bool {
+    text.lines().any(|line| line.split([',', ' ', '\t']).all(|field| field.parse::<f64>().is_ok()))
 }
 
 /// The longest valid text within the first 16 KiB, if there is any and it is not binary.

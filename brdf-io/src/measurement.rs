@@ -1,16 +1,15 @@
 //! Measured materials, whatever file they come in.
 
-use std::path::Path;
-
 use brdf_model::{
-    Brdf, MerlLookup, MerlNodes, MerlTable, Nbrdf, RglBrdf, SampleSet, ScatteredBrdf, UtiaTable,
+    Brdf, Channels, MerlLookup, MerlNodes, MerlTable, Nbrdf, RglBrdf, SampleSet, ScatteredBrdf,
+    UtiaTable,
 };
 
-use crate::{
-    ColumnMap, Contained, Format, FormatError, IoError, MappedFile, ModelFile, SeparableFile,
-    detect, read_alta, read_container, read_cornell, read_merl, read_nbrdf, read_rgl, read_table,
-    read_utia,
-};
+#[cfg(feature = "table")]
+use crate::ColumnMap;
+use crate::detect::{Format, detect};
+use crate::error::FormatError;
+use crate::note::ReadNote;
 
 /// What the content alone does not say.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +17,7 @@ pub struct ReadOptions {
     /// How MERL tables are read.
     pub merl_lookup: MerlLookup,
     /// What the columns of a table mean.
+    #[cfg(feature = "table")]
     pub columns: Option<ColumnMap>,
     /// Which wavelength of a table to take, micrometres.
     pub wavelength_um: Option<f64>,
@@ -29,6 +29,7 @@ impl Default for ReadOptions {
     fn default() -> Self {
         Self {
             merl_lookup: MerlLookup::Trilinear(MerlNodes::Centre),
+            #[cfg(feature = "table")]
             columns: None,
             wavelength_um: None,
             material: None,
@@ -49,14 +50,10 @@ pub enum Measured {
     Nbrdf(Box<Nbrdf>),
     /// Scattered samples.
     Samples(Box<ScatteredBrdf>),
-    /// A model that this project fitted.
-    Model(Box<ModelFile>),
-    /// A sum of products that this project made.
-    Separable(Box<SeparableFile>),
 }
 
 impl Measured {
-    /// The material as a function; scattered samples are interpolated, which is for pictures only.
+    /// Returns the material as a function; scattered samples are interpolated, which is for pictures only.
     pub fn brdf(&self) -> &dyn Brdf {
         match self {
             Self::Merl(table) => table,
@@ -64,9 +61,20 @@ impl Measured {
             Self::Utia(table) => table,
             Self::Nbrdf(network) => network.as_ref(),
             Self::Samples(samples) => samples.as_ref(),
-            Self::Model(file) => &file.model,
-            Self::Separable(file) => &file.model,
         }
+    }
+
+    /// Returns the rows of a scattered measurement.
+    pub fn samples(&self) -> Option<&SampleSet> {
+        match self {
+            Self::Samples(scattered) => Some(scattered.samples()),
+            _ => None,
+        }
+    }
+
+    /// Returns the channels that were measured.
+    pub fn channels(&self) -> Channels {
+        self.samples().map_or(Channels::Rgb, SampleSet::channels)
     }
 }
 
@@ -77,78 +85,85 @@ pub struct Measurement {
     pub format: Format,
     /// The material.
     pub measured: Measured,
-    /// What was assumed, chosen or changed, one sentence each.
-    pub notes: Vec<String>,
+    /// What was assumed, chosen or changed.
+    pub notes: Vec<ReadNote>,
     /// Length of the file.
     pub bytes: usize,
 }
 
-/// Opens a file of any format.
+/// Returns the material that the bytes of a file of any format hold.
 ///
 /// # Errors
 ///
-/// [`IoError`], naming the file, the place in it, what was found and what was expected.
-pub fn open_measurement(path: &Path, options: &ReadOptions) -> Result<Measurement, IoError> {
-    let bytes = MappedFile::open(path)?;
-    parse_measurement(&bytes, options).map_err(IoError::format(path))
-}
-
-/// Reads a material from the bytes of a file.
-///
-/// # Errors
-///
-/// [`FormatError`].
-pub fn parse_measurement(bytes: &[u8], options: &ReadOptions) -> Result<Measurement, FormatError> {
+/// [`FormatError`]: the place in the file, what was found and what was expected.
+pub fn read(bytes: &[u8], options: &ReadOptions) -> Result<Measurement, FormatError> {
     let format = detect(bytes)?;
     let mut notes = Vec::new();
-    let measured = match format {
-        Format::Merl => Measured::Merl(read_merl(bytes, options.merl_lookup)?),
-        Format::Rgl => Measured::Rgl(Box::new(read_rgl(bytes)?)),
-        Format::Utia => Measured::Utia(read_utia(bytes)?),
-        Format::Nbrdf => {
-            let network = read_nbrdf(bytes, options.material.as_deref())?;
-            notes.push("an NBRDF proxy: a network's smooth fit, not the measurement".to_owned());
-            Measured::Nbrdf(Box::new(network))
-        }
-        Format::Native => match read_container(bytes, options.merl_lookup)? {
-            Contained::Model(file) => Measured::Model(file),
-            Contained::Separable(file) => Measured::Separable(file),
-            Contained::Table(table) => Measured::Merl(table),
-            Contained::Samples(samples) => scattered(samples)?,
-        },
-        Format::Cornell => {
-            let spectra = read_cornell(text(bytes)?)?;
-            let (first, last) = (spectra.wavelengths[0], spectra.wavelengths.last().copied());
-            notes.push(format!(
-                "{} wavelengths from {first} to {} nm became linear RGB (CIE 1931 2°, D65)",
-                spectra.wavelengths.len(),
-                last.unwrap_or(first)
-            ));
-            if spectra.moved_into_gamut > 0 {
-                notes.push(format!(
-                    "{} of {} colours lay outside the gamut of Rec. 709 or within 1 % of its rim; \
-                     they were moved towards grey of the same luminance",
-                    spectra.moved_into_gamut,
-                    spectra.samples.len()
-                ));
-            }
-            scattered(spectra.samples)?
-        }
-        Format::Alta => {
-            let (samples, said) = read_alta(text(bytes)?)?;
-            notes.extend(said);
-            scattered(samples)?
-        }
-        Format::Table => {
-            let (samples, said) =
-                read_table(text(bytes)?, options.columns.as_ref(), options.wavelength_um)?;
-            notes.extend(said);
-            scattered(samples)?
-        }
-    };
+    let measured = read_as(format, bytes, options, &mut notes)?;
     Ok(Measurement { format, measured, notes, bytes: bytes.len() })
 }
 
+#[cfg_attr(
+    not(all(feature = "nbrdf", feature = "merl", feature = "table")),
+    allow(unused_variables, unreachable_code, reason = "each reader takes what it needs")
+)]
+fn read_as(
+    format: Format,
+    bytes: &[u8],
+    options: &ReadOptions,
+    notes: &mut Vec<ReadNote>,
+) -> Result<Measured, FormatError> {
+    Ok(match format {
+        #[cfg(feature = "merl")]
+        Format::Merl => Measured::Merl(crate::read_merl(bytes, options.merl_lookup)?),
+        #[cfg(feature = "rgl")]
+        Format::Rgl => Measured::Rgl(Box::new(crate::read_rgl(bytes)?)),
+        #[cfg(feature = "utia")]
+        Format::Utia => Measured::Utia(crate::read_utia(bytes)?),
+        #[cfg(feature = "nbrdf")]
+        Format::Nbrdf => {
+            let network = crate::read_nbrdf(bytes, options.material.as_deref())?;
+            notes.push(ReadNote::NeuralProxy);
+            Measured::Nbrdf(Box::new(network))
+        }
+        #[cfg(feature = "cornell")]
+        Format::Cornell => {
+            let spectra = crate::read_cornell(text(bytes)?)?;
+            let (first, last) = (spectra.wavelengths[0], spectra.wavelengths.last().copied());
+            notes.push(ReadNote::Spectra {
+                wavelengths: spectra.wavelengths.len(),
+                range_nm: [first, last.unwrap_or(first)],
+            });
+            if spectra.moved_into_gamut > 0 {
+                let (moved, colours) = (spectra.moved_into_gamut, spectra.samples.len());
+                notes.push(ReadNote::MovedIntoGamut { moved, colours });
+            }
+            scattered(spectra.samples)?
+        }
+        #[cfg(feature = "alta")]
+        Format::Alta => {
+            let (samples, said) = crate::read_alta(text(bytes)?)?;
+            notes.extend(said);
+            scattered(samples)?
+        }
+        #[cfg(feature = "table")]
+        Format::Table => {
+            let (samples, said) =
+                crate::read_table(text(bytes)?, options.columns.as_ref(), options.wavelength_um)?;
+            notes.extend(said);
+            scattered(samples)?
+        }
+        #[allow(unreachable_patterns, reason = "with all features there is a reader of each")]
+        other => {
+            return Err(FormatError::Missing {
+                what: format!("reader of this format: {}", other.name()),
+                expected: "brdf-io built with its feature".to_owned(),
+            });
+        }
+    })
+}
+
+#[cfg(any(feature = "cornell", feature = "alta", feature = "table"))]
 fn scattered(samples: SampleSet) -> Result<Measured, FormatError> {
     if samples.is_empty() {
         return Err(FormatError::Missing {
@@ -159,6 +174,7 @@ fn scattered(samples: SampleSet) -> Result<Measured, FormatError> {
     Ok(Measured::Samples(Box::new(ScatteredBrdf::new(samples))))
 }
 
+#[cfg(any(feature = "cornell", feature = "alta", feature = "table"))]
 fn text(bytes: &[u8]) -> Result<&str, FormatError> {
     std::str::from_utf8(bytes).map_err(|error| FormatError::Field {
         offset: error.valid_up_to(),

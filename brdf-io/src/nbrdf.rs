@@ -6,8 +6,7 @@ use brdf_model::Nbrdf;
 use npyz::{NpyFile, TypeChar};
 use zip::ZipArchive;
 
-use crate::FormatError;
-use crate::error::quoted;
+use crate::error::{FormatError, quoted};
 
 /// Longest entry that is read: an array of weights and its header take under 3 kB.
 const LONGEST_ENTRY: u64 = 16 << 10;

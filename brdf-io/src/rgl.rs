@@ -4,8 +4,8 @@ use brdf_model::{RglBrdf, RglTables};
 
 use crate::FormatError;
 use crate::bytes::{Cursor, f32_values, slice};
+use crate::detect::RGL_MAGIC;
 
-pub(crate) const MAGIC: &[u8] = b"tensor_file\0";
 /// More fields or dimensions than any real file has; a header that claims more is lying.
 const MAX_FIELDS: u32 = 256;
 const MAX_DIMENSIONS: u16 = 16;
@@ -75,7 +75,7 @@ pub fn read_rgl(bytes: &[u8]) -> Result<RglBrdf, FormatError> {
 
 fn read_header(bytes: &[u8]) -> Result<Vec<Field>, FormatError> {
     let mut cursor = Cursor::new(bytes, 0);
-    if cursor.take(MAGIC.len(), "the magic word")? != MAGIC {
+    if cursor.take(RGL_MAGIC.len(), "the magic word")? != RGL_MAGIC {
         return Err(FormatError::Field {
             offset: 0,
             what: "the magic word",
@@ -86,7 +86,7 @@ fn read_header(bytes: &[u8]) -> Result<Vec<Field>, FormatError> {
     let version = [cursor.u8("the version")?, cursor.u8("the version")?];
     if version[0] != 1 {
         return Err(FormatError::Field {
-            offset: MAGIC.len(),
+            offset: RGL_MAGIC.len(),
             what: "the version",
             found: format!("{}.{}", version[0], version[1]),
             expected: "1.x".to_owned(),

@@ -1,9 +1,26 @@
 //! Reflectance spectra to linear RGB.
 
+use std::sync::LazyLock;
+
 use brdf_model::Rgb;
-use colorimetry::illuminant::CieIlluminant;
-use colorimetry::observer::Observer;
-use colorimetry::rgb::RgbSpace;
+
+/// Colour-matching functions times D65 at 380, 381 … 780 nm.
+static LIT_OBSERVER: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
+    let table = include_str!("../data/cie_1931_2deg_d65.csv");
+    let row = |line: &str| {
+        let mut numbers = line.split(',').map(|field| field.parse().unwrap_or(f64::NAN));
+        let [_, x, y, z, d65] = std::array::from_fn(|_| numbers.next().unwrap_or(f64::NAN));
+        [x * d65, y * d65, z * d65]
+    };
+    table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).map(row).collect()
+});
+
+/// From XYZ to linear RGB with Rec. 709 primaries and the white of D65 under the observer above.
+const TO_RGB: [[f64; 3]; 3] = [
+    [3.240_624_232_349_702_5, -1.537_196_894_538_141, -0.498_585_967_486_116],
+    [-0.969_183_162_334_070_9, 1.875_905_120_430_789_5, 0.041_547_034_330_732_424],
+    [0.055_644_723_393_725_77, -0.204_073_035_388_015_8, 1.057_483_064_149_628_4],
+];
 
 /// Weights that turn values at given wavelengths into linear RGB (Rec. 709 primaries) as the CIE
 /// 1931 2° observer sees them under D65.
@@ -21,17 +38,14 @@ impl SpectrumToRgb {
         if wavelengths.len() < 2 || !wavelengths.windows(2).all(|w| w[0] < w[1]) {
             return None;
         }
-        let observer = Observer::Cie1931;
-        let to_rgb = observer.xyz2rgb_matrix(RgbSpace::SRGB);
         let raw: Vec<[f64; 3]> = (0..wavelengths.len())
             .map(|node| {
-                let xyz = observer.xyz_from_colorant_fn(&CieIlluminant::D65, |place| {
-                    hat(wavelengths, node, 380.0 + 400.0 * place)
-                });
-                let [x, y, z] = xyz.to_array();
-                std::array::from_fn(|c| {
-                    to_rgb[(c, 0)] * x + to_rgb[(c, 1)] * y + to_rgb[(c, 2)] * z
-                })
+                let mut xyz = [0.0; 3];
+                for (index, lit) in (0_u32..).zip(LIT_OBSERVER.iter()) {
+                    let share = hat(wavelengths, node, f64::from(380 + index));
+                    xyz.iter_mut().zip(lit).for_each(|(sum, v)| *sum += v * share);
+                }
+                TO_RGB.map(|row| row.iter().zip(xyz).map(|(m, v)| m * v).sum())
             })
             .collect();
         let white: [f64; 3] = std::array::from_fn(|c| raw.iter().map(|weight| weight[c]).sum());

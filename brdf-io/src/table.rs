@@ -7,8 +7,8 @@ use std::str::FromStr;
 use brdf_model::{Channels, SampleSet};
 use brdf_param::{DirectionPair, azimuth, polar_angle, spherical_direction};
 
-use crate::FormatError;
-use crate::error::quoted;
+use crate::error::{FormatError, quoted};
+use crate::note::ReadNote;
 
 /// What a column means, with its unit. The names are those of the header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,10 +182,10 @@ impl<'a> Table<'a> {
     /// The positions of the columns that mean something.
     fn columns(&self, map: Option<&ColumnMap>) -> Result<Vec<(Column, usize)>, FormatError> {
         let place = |name: &str| {
-            self.header.iter().position(|known| known == name).ok_or_else(|| FormatError::Line {
+            self.header.iter().position(|known| known == name).ok_or_else(|| FormatError::Columns {
                 line: self.header_line,
-                found: format!("columns {}", self.header.join(", ")),
-                expected: format!("a column named {name:?}"),
+                found: self.header.clone(),
+                expected: format!("one named {name:?}"),
             })
         };
         match map.cloned().or_else(|| known_header(&self.header)) {
@@ -230,13 +230,11 @@ impl AngleColumns {
             columns
                 .iter()
                 .find_map(|(column, index)| wanted(column).map(|unit| (unit, *index)))
-                .ok_or_else(|| FormatError::Line {
+                .ok_or_else(|| FormatError::Columns {
                     line: table.header_line,
-                    found: format!("columns {}", table.header.join(", ")),
+                    found: table.header.clone(),
                     expected: format!(
-                        "one named {name}_deg or {name}_rad; names without a unit are not guessed \
-                         (for measured files, --columns {name}_deg=NAME,…,value=NAME says what they \
-                         mean)"
+                        "one named {name}_deg or {name}_rad; names without a unit are not guessed"
                     ),
                 })
         };
@@ -273,7 +271,7 @@ pub fn read_table(
     text: &str,
     map: Option<&ColumnMap>,
     wavelength_um: Option<f64>,
-) -> Result<(SampleSet, Vec<String>), FormatError> {
+) -> Result<(SampleSet, Vec<ReadNote>), FormatError> {
     let table = Table::new(text)?;
     let columns = table.columns(map)?;
     let angles = AngleColumns::find(&table, &columns)?;
@@ -283,13 +281,10 @@ pub fn read_table(
         ([Some(r), Some(g), Some(b)], _) => vec![r, g, b],
         (_, Some(value)) => vec![value],
         _ => {
-            return Err(FormatError::Line {
+            return Err(FormatError::Columns {
                 line: table.header_line,
-                found: format!("columns {}", table.header.join(", ")),
-                expected:
-                    "columns r, g, b or one named value (in sr⁻¹); --columns value=NAME says \
-                           which it is"
-                        .to_owned(),
+                found: table.header.clone(),
+                expected: "r, g, b or one named value (in sr⁻¹)".to_owned(),
             });
         }
     };
@@ -322,7 +317,7 @@ fn choose_wavelength(
     table: &Table<'_>,
     index: usize,
     wanted: Option<f64>,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<ReadNote>,
 ) -> Result<f64, FormatError> {
     let mut wavelengths = Vec::new();
     for (line, content) in table.rows() {
@@ -337,11 +332,7 @@ fn choose_wavelength(
         .copied()
         .min_by(|a, b| (a - target).abs().total_cmp(&(b - target).abs()))
         .unwrap_or(target);
-    let list: Vec<String> = wavelengths.iter().map(f64::to_string).collect();
-    notes.push(format!(
-        "one channel, {nearest} µm, of the wavelengths {} µm; --wavelength-um chooses another",
-        list.join(", ")
-    ));
+    notes.push(ReadNote::Wavelength { chosen_um: nearest, all_um: wavelengths });
     Ok(nearest)
 }
 
@@ -388,7 +379,7 @@ pub fn direction_table_header(values: bool) -> &'static str {
 }
 
 /// A set of samples as a table; grey samples have one column `value`.
-pub fn samples_to_csv(samples: &SampleSet) -> String {
+pub fn write_samples(samples: &SampleSet) -> String {
     let mut text = String::from(direction_table_header(false));
     text.push_str(match samples.channels() {
         Channels::Rgb => ",r,g,b\n",
@@ -414,7 +405,7 @@ mod tests {
         let text = "# a title of several words here\n# phi_i theta_i phi_o theta_o brdf\n\
                     75.0 -180.0 -20.0 0.0 0.5\n";
         let refused = read_table(text, None, None).unwrap_err().to_string();
-        assert!(refused.contains("line 2") && refused.contains("--columns"), "{refused}");
+        assert!(refused.contains("line 2") && refused.contains("theta_i_deg"), "{refused}");
         let map: ColumnMap = "theta_i_deg=phi_i,phi_i_deg=theta_i,theta_o_deg=phi_o,\
                               phi_o_deg=theta_o,value=brdf"
             .parse()
@@ -430,7 +421,7 @@ mod tests {
         let mut samples = SampleSet::new(Channels::Rgb);
         let pair = DirectionPair::from_angles(0.3, 1.0, 1.2, -2.0);
         samples.push(&pair, &[0.1, 0.2, 1e-7]);
-        let (read, _) = read_table(&samples_to_csv(&samples), None, None).unwrap();
+        let (read, _) = read_table(&write_samples(&samples), None, None).unwrap();
         assert!(read.pair(0).wi.distance(pair.wi) < 1e-15);
         assert_eq!(read.values(), samples.values());
     }

@@ -4,11 +4,9 @@ use brdf_model::UtiaTable;
 
 use crate::FormatError;
 use crate::bytes::f64_values;
+use crate::detect::UTIA_LENGTH;
 
 const PLANE: usize = UtiaTable::SIDE * UtiaTable::SIDE;
-
-/// Length of every such file.
-pub(crate) const FILE_LENGTH: usize = 3 * 8 * PLANE;
 
 /// Reads a table.
 ///
@@ -16,10 +14,10 @@ pub(crate) const FILE_LENGTH: usize = 3 * 8 * PLANE;
 ///
 /// [`FormatError::Size`]; [`FormatError::Model`] for values that are not finite.
 pub fn read_utia(bytes: &[u8]) -> Result<UtiaTable, FormatError> {
-    if bytes.len() != FILE_LENGTH {
+    if bytes.len() != UTIA_LENGTH {
         return Err(FormatError::Size {
             found: bytes.len(),
-            expected: FILE_LENGTH,
+            expected: UTIA_LENGTH,
             hint: ", three planes of 288 × 288 doubles",
         });
     }

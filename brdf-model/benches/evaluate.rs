@@ -29,7 +29,7 @@ fn evaluation(c: &mut Criterion) {
     let batch: DirectionBatch = pairs.iter().collect();
     let mut out = RgbBatch::default();
     group.bench_function("MERL grid, trilinear, batch", |b| {
-        b.iter(|| table.eval_batch(black_box(&batch), &mut out));
+        b.iter(|| table.eval_batch(black_box(batch.as_slices()), &mut out));
     });
     group.finish();
 }

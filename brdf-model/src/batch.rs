@@ -5,24 +5,78 @@ use glam::DVec3;
 
 use crate::Rgb;
 
-/// Direction pairs, one array per component, in f32.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct DirectionBatch {
-    /// x, y and z of the directions to the light.
-    pub wi: [Vec<f32>; 3],
-    /// x, y and z of the directions to the viewer.
-    pub wo: [Vec<f32>; 3],
+/// Direction pairs, one array per component, in f32: borrowed, all six of the same length.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectionSlices<'a> {
+    wi: [&'a [f32]; 3],
+    wo: [&'a [f32]; 3],
 }
 
-impl DirectionBatch {
-    /// Number of pairs.
+impl<'a> DirectionSlices<'a> {
+    /// Returns the pairs of x, y and z of directions to the light and to the viewer; none unless all six slices have
+    /// the same length.
+    pub fn new(wi: [&'a [f32]; 3], wo: [&'a [f32]; 3]) -> Option<Self> {
+        let len = wi[0].len();
+        wi.iter().chain(&wo).all(|slice| slice.len() == len).then_some(Self { wi, wo })
+    }
+
+    /// Returns the number of pairs.
     pub fn len(&self) -> usize {
         self.wi[0].len()
     }
 
-    /// There are no pairs.
+    /// Returns whether there are no pairs.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Returns x, y and z of the directions to the light.
+    pub fn wi(&self) -> [&'a [f32]; 3] {
+        self.wi
+    }
+
+    /// Returns x, y and z of the directions to the viewer.
+    pub fn wo(&self) -> [&'a [f32]; 3] {
+        self.wo
+    }
+
+    /// Returns the pair at `index`.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below [`DirectionSlices::len`].
+    pub fn get(&self, index: usize) -> DirectionPair {
+        let widen = |a: &[&[f32]; 3]| {
+            DVec3::new(a[0][index].into(), a[1][index].into(), a[2][index].into())
+        };
+        DirectionPair::new(widen(&self.wi), widen(&self.wo))
+    }
+}
+
+/// Direction pairs, one array per component, in f32.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DirectionBatch {
+    wi: [Vec<f32>; 3],
+    wo: [Vec<f32>; 3],
+}
+
+impl DirectionBatch {
+    /// Returns the number of pairs.
+    pub fn len(&self) -> usize {
+        self.wi[0].len()
+    }
+
+    /// Returns whether there are no pairs.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the pairs, borrowed.
+    pub fn as_slices(&self) -> DirectionSlices<'_> {
+        DirectionSlices {
+            wi: self.wi.each_ref().map(Vec::as_slice),
+            wo: self.wo.each_ref().map(Vec::as_slice),
+        }
     }
 
     /// Removes all pairs and keeps the memory.
@@ -39,18 +93,6 @@ impl DirectionBatch {
         };
         narrow(&mut self.wi, pair.wi);
         narrow(&mut self.wo, pair.wo);
-    }
-
-    /// The pair at `index`.
-    ///
-    /// # Panics
-    ///
-    /// If `index` is not below [`DirectionBatch::len`].
-    pub fn get(&self, index: usize) -> DirectionPair {
-        let widen = |a: &[Vec<f32>; 3]| {
-            DVec3::new(a[0][index].into(), a[1][index].into(), a[2][index].into())
-        };
-        DirectionPair::new(widen(&self.wi), widen(&self.wo))
     }
 }
 

@@ -10,6 +10,7 @@ use crate::{Brdf, PairSampling, Rgb, SampleSet, ScrambledSobol};
 
 /// What [`check`] found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PhysicalChecks {
     /// Mean of |f(a, b) − f(b, a)| divided by the mean of f, over all channels.
     pub reciprocity_error: f64,
@@ -23,6 +24,7 @@ pub struct PhysicalChecks {
 
 /// How much of the domain has data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
     /// Share of pairs with data, [0, 1].
     pub share: f64,
@@ -106,6 +108,7 @@ fn lobe_direction(axis: glam::DVec3, u: f64, v: f64) -> glam::DVec3 {
 
 /// What a set of scattered samples spans.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampleSummary {
     /// Number of samples.
     pub count: usize,
@@ -138,7 +141,6 @@ pub fn summarize(samples: &SampleSet) -> SampleSummary {
     let zeros = (0..samples.len())
         .filter(|&i| samples.values().iter().any(|channel| channel[i] == 0.0))
         .count();
-    #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
     let zero_share = zeros as f64 / samples.len().max(1) as f64;
     SampleSummary {
         count: samples.len(),

@@ -6,6 +6,7 @@ use crate::Rgb;
 
 /// How a smooth interface reflects.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Fresnel {
     /// A dielectric of this index of refraction against air.

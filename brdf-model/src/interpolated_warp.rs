@@ -204,7 +204,6 @@ impl Patch {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "positions are clamped to the table, whose sides are far below 2⁵³"
     )]
     fn new(shape: &WarpShape, point: DVec2) -> Self {

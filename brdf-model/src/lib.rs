@@ -17,10 +17,12 @@ mod analytic;
 mod batch;
 mod brdf;
 mod checks;
+mod distribution;
 mod error;
 mod fresnel;
 mod interpolated_warp;
 mod large_table;
+mod luminance;
 mod merl;
 mod merl_batch;
 mod metrics;
@@ -32,21 +34,26 @@ mod rgl;
 mod sample_set;
 mod sampling;
 mod scattered;
+mod srgb;
 mod utia;
 
 pub use analytic::{
     Analytic, AshikhminShirley, BlinnPhong, CookTorrance, Ggx, Lafortune, LafortuneLobe, Lambert,
     Plastic, Ward,
 };
-pub use batch::{DirectionBatch, RgbBatch};
-pub use brdf::Brdf;
+pub use batch::{DirectionBatch, DirectionSlices, RgbBatch};
+pub use brdf::{Brdf, DirectionSampler};
 pub use checks::{
     Coverage, PhysicalChecks, SampleSummary, anisotropy, check, directional_albedo, largest_albedo,
     summarize,
 };
+pub use distribution::{
+    Distribution1D, LinearDistributions, linear_part, linear_segment, share_of,
+};
 pub use error::ModelError;
 pub use fresnel::{Fresnel, conductor_reflectance, dielectric_reflectance};
 pub use interpolated_warp::{InterpolatedWarp, WarpShape};
+pub use luminance::Luminance;
 pub use merl::{MerlLookup, MerlNodes, MerlTable};
 pub use metrics::{
     COSINE_RMS_PAIRS, CosineRms, ErrorMeasures, FitErrors, cosine_rms, cosine_rms_pairs,
@@ -60,4 +67,5 @@ pub use rgl::{RglBrdf, RglTables};
 pub use sample_set::{Dropped, SampleSet};
 pub use sampling::{PairSampling, ScrambledSobol, cosine_hemisphere, uniform_hemisphere};
 pub use scattered::ScatteredBrdf;
+pub use srgb::{decode_srgb, encode_srgb, linear_to_srgb, srgb_to_linear};
 pub use utia::UtiaTable;

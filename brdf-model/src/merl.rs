@@ -11,11 +11,12 @@ use serde::{Deserialize, Serialize};
 use crate::brdf::is_lit;
 use crate::large_table::LargeTable;
 use crate::merl_batch;
-use crate::{Brdf, DirectionBatch, ModelError, Rgb, RgbBatch};
+use crate::{Brdf, DirectionSlices, ModelError, Rgb, RgbBatch};
 
 /// Where in its cell a tabulated value is taken to stand. The literature disagrees: libbsdf reads
 /// the lower edge, ALTA the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MerlNodes {
     /// (i + ½) in the index space of each axis.
@@ -130,7 +131,6 @@ impl MerlTable {
 
     /// The pair at the centre of a cell, with phi_h = 0; one direction may be below the horizon.
     pub fn cell_pair(index: usize) -> DirectionPair {
-        #[expect(clippy::cast_precision_loss, reason = "cell indices are below two million")]
         let centre = |i: usize| i as f64 + 0.5;
         let phi_d = centre(index % Self::PHI_D).to_radians();
         let theta_d = centre(index / Self::PHI_D % Self::THETA_D).to_radians();
@@ -198,7 +198,7 @@ impl Brdf for MerlTable {
         self.lookup(pair).is_some()
     }
 
-    fn eval_batch(&self, pairs: &DirectionBatch, out: &mut RgbBatch) {
+    fn eval_batch(&self, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
         match self.lookup {
             MerlLookup::Trilinear(nodes) => merl_batch::evaluate(&self.cells, nodes, pairs, out),
             MerlLookup::Nearest => {
@@ -254,17 +254,14 @@ struct Span {
 impl Span {
     fn clamped(position: f32, count: usize) -> Self {
         let low = below(position, count);
-        #[expect(clippy::cast_precision_loss, reason = "grid indices are below 180")]
         let fraction = (position - low as f32).clamp(0.0, 1.0);
         Self { nodes: [low, (low + 1).min(count - 1)], fraction }
     }
 
     fn wrapped(position: f32, count: usize) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "180 cells")]
         let position = if position < 0.0 { position + count as f32 } else { position };
         let low = below(position, count);
         let next = if low + 1 == count { 0 } else { low + 1 };
-        #[expect(clippy::cast_precision_loss, reason = "grid indices are below 180")]
         let fraction = (position - low as f32).clamp(0.0, 1.0);
         Self { nodes: [low, next], fraction }
     }
@@ -311,7 +308,8 @@ mod tests {
         let sampling = PairSampling { count: 5_000, seed: 5, theta_max: FRAC_PI_2 };
         let pairs: Vec<DirectionPair> = sampling.pairs().collect();
         let mut out = RgbBatch::default();
-        table.eval_batch(&pairs.iter().collect(), &mut out);
+        let batch: DirectionBatch = pairs.iter().collect();
+        table.eval_batch(batch.as_slices(), &mut out);
         for (index, pair) in pairs.iter().enumerate() {
             let (single, batch) = (table.eval(pair).r, out.get(index).r);
             assert!(
@@ -325,7 +323,6 @@ mod tests {
     fn cell_centres_find_their_own_cell() {
         let mut cells = vec![[0.25; 3]; MerlTable::CELLS];
         for (index, cell) in cells.iter_mut().enumerate() {
-            #[expect(clippy::cast_precision_loss, reason = "indices below 2²⁴ are exact")]
             let value = index as f32;
             *cell = [value; 3];
         }
@@ -336,7 +333,6 @@ mod tests {
             if !is_lit(&pair) {
                 continue;
             }
-            #[expect(clippy::cast_precision_loss, reason = "exact")]
             let expected = index as f64;
             assert!((table.eval(&pair).r - expected).abs() < 0.5, "nearest at {index}");
             // Where the trilinear weights put everything on one node up to rounding.

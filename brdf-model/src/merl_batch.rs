@@ -7,7 +7,7 @@
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use crate::merl::{MerlNodes, MerlTable};
-use crate::{DirectionBatch, RgbBatch};
+use crate::{DirectionSlices, RgbBatch};
 
 /// Pairs per tile.
 const TILE: usize = 64;
@@ -19,7 +19,7 @@ const PHI: f32 = MerlTable::PHI_D as f32;
 pub(crate) fn evaluate(
     cells: &[[f32; 3]],
     nodes: MerlNodes,
-    pairs: &DirectionBatch,
+    pairs: DirectionSlices<'_>,
     out: &mut RgbBatch,
 ) {
     out.resize(pairs.len());
@@ -102,7 +102,7 @@ impl Tile {
 struct Locate<'a> {
     tile: &'a mut Tile,
     nodes: MerlNodes,
-    pairs: &'a DirectionBatch,
+    pairs: DirectionSlices<'a>,
     start: usize,
     len: usize,
 }
@@ -119,8 +119,8 @@ impl pulp::NullaryFnOnce for Locate<'_> {
             lanes[..len].copy_from_slice(&component[start..start + len]);
             lanes
         };
-        let [ix, iy, iz] = [load(&pairs.wi[0]), load(&pairs.wi[1]), load(&pairs.wi[2])];
-        let [ox, oy, oz] = [load(&pairs.wo[0]), load(&pairs.wo[1]), load(&pairs.wo[2])];
+        let [ix, iy, iz] = [load(pairs.wi()[0]), load(pairs.wi()[1]), load(pairs.wi()[2])];
+        let [ox, oy, oz] = [load(pairs.wo()[0]), load(pairs.wo()[1]), load(pairs.wo()[2])];
         for lane in 0..TILE {
             let (hx, hy, hz) = (ix[lane] + ox[lane], iy[lane] + oy[lane], iz[lane] + oz[lane]);
             let (kx, ky, kz) = (ix[lane] - ox[lane], iy[lane] - oy[lane], iz[lane] - oz[lane]);

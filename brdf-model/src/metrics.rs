@@ -13,6 +13,7 @@ use crate::{Brdf, Rgb, SampleSet, uniform_hemisphere};
 
 /// Mean absolute, mean square and largest absolute residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorMeasures {
     /// Mean of |r|.
     pub mean_abs: f64,
@@ -24,6 +25,7 @@ pub struct ErrorMeasures {
 
 /// The six measures of the thesis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitErrors {
     /// Of log residuals; natural logarithm, no unit.
     pub log: ErrorMeasures,
@@ -40,7 +42,6 @@ impl FitErrors {
         let total: usize = parts.iter().map(|(_, count)| count).sum();
         let pool = |pick: fn(&Self) -> ErrorMeasures| {
             parts.iter().fold(ErrorMeasures::default(), |sum, (errors, count)| {
-                #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
                 let share = *count as f64 / total.max(1) as f64;
                 let part = pick(errors);
                 ErrorMeasures {
@@ -96,7 +97,6 @@ impl ErrorMeasures {
 
 /// Means over samples and channels from per-channel sums.
 fn mean_over(sums: &[FitErrors], count: usize) -> FitErrors {
-    #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
     let terms = (count.max(1) * sums.len().max(1)) as f64;
     let reduce = |pick: fn(&FitErrors) -> ErrorMeasures| ErrorMeasures {
         mean_abs: sums.iter().map(|s| pick(s).mean_abs).sum::<f64>() / terms,
@@ -118,6 +118,7 @@ pub const COSINE_RMS_PAIRS: usize = 80_000;
 /// Models that grow without bound towards grazing (Ashikhmin–Shirley, which is clamped at a cosine
 /// of 1e-3) make the first depend on a few pairs; the others do not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CosineRms {
     /// √(Σ cosθi (f − f̂)² / N).
     pub absolute: f64,
@@ -176,7 +177,6 @@ pub fn cosine_rms(
 pub fn cosine_rms_pairs(seed: u64) -> impl Iterator<Item = DirectionPair> {
     let mut rng = SplitMix64::seed_from_u64(seed);
     let mut uniform = move || {
-        #[expect(clippy::cast_precision_loss, reason = "53 bits fit a f64 exactly")]
         let bits = (rng.next_u64() >> 11) as f64;
         bits / 9_007_199_254_740_992.0
     };

@@ -9,6 +9,7 @@ use crate::{Brdf, SampleSet};
 
 /// Root mean square errors of mapped reflectances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PerceptualErrors {
     /// Of ln(1 + f cosθi). Source: Löw, Kronander, Ynnerman and Unger 2012. Scales like f for dark
     /// materials.
@@ -42,7 +43,6 @@ pub fn perceptual_errors(samples: &SampleSet, model: &dyn Brdf) -> PerceptualErr
             sums[2] += off(&|f| (f * weight + EPSILON).ln());
         }
     }
-    #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
     let count = (samples.len() * channels).max(1) as f64;
     let [log_cosine_rms, cube_root_rms, log_relative_rms] = sums.map(|sum| (sum / count).sqrt());
     PerceptualErrors { log_cosine_rms, cube_root_rms, log_relative_rms }

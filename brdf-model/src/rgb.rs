@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Three linear channels with Rec. 709 primaries; for a BRDF value, in sr⁻¹.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rgb {
     /// Red.
     pub r: f64,
@@ -110,6 +111,7 @@ impl Sum for Rgb {
 
 /// Which channels of a material are fitted and measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Channels {
     /// Red, green and blue.

@@ -12,6 +12,7 @@ use crate::{Brdf, Channels, PairSampling, Rgb};
 
 /// How many samples were left out, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dropped {
     /// A direction lies below the surface or along it.
     pub below_horizon: usize,
@@ -214,7 +215,6 @@ impl SampleSet {
 
     /// Mean value of each channel; 0 for an empty set.
     pub fn mean(&self) -> Vec<f64> {
-        #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
         let count = self.len().max(1) as f64;
         self.values.iter().map(|channel| channel.iter().sum::<f64>() / count).collect()
     }

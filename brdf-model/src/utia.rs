@@ -53,7 +53,6 @@ impl UtiaTable {
     fn nodes(direction: glam::DVec3) -> [(usize, f64); 4] {
         let (t0, t1, t) =
             span(polar_angle(direction).to_degrees() / Self::THETA_STEP, Self::THETAS);
-        #[expect(clippy::cast_precision_loss, reason = "48 azimuths")]
         let turn = azimuth(direction).rem_euclid(TAU) / TAU * Self::PHIS as f64;
         let (p0, _, p) = span(turn, Self::PHIS + 1);
         let p1 = (p0 + 1) % Self::PHIS;
@@ -97,7 +96,6 @@ impl Brdf for UtiaTable {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
     reason = "positions are small and not negative"
 )]
 fn span(position: f64, count: usize) -> (usize, usize, f64) {

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use brdf_factor::{ChannelTransform, Columns, NormalEquations};
+use brdf_job::Job;
 use faer::MatMut;
 use rayon::prelude::*;
 
@@ -41,25 +42,26 @@ pub(crate) fn decompose(
     layout: &Layout,
     samples: &PaintSamples,
     params: &PaintParams,
-    progress: &(dyn Fn(&str) + Sync),
+    job: &Job<'_>,
 ) -> Result<Vec<Part>, PaintError> {
+    let [by_paper, clusters, first, second, last] = job.split([1.0, 1.0, 2.0, 2.0, 6.0]);
     let turns = Turns::new(layout, samples, params);
-    let published = paper::decompose(layout, samples, params, progress);
+    let published = paper::decompose(layout, samples, params, &by_paper)?;
     let published = turns.state(
         published.iter().map(|part| part.solution.clone()).collect(),
         published.into_iter().map(|part| part.coefficients).collect(),
     );
-    progress("clusters");
+    clusters.begin("clusters", 1);
     let clustered = turns.clustered()?;
     let mut best: Option<State> = None;
-    for start in [published, clustered] {
-        let state = turns.run(start, FIRST_TURNS, progress);
+    for (start, job) in [(published, &first), (clustered, &second)] {
+        let state = turns.run(start, FIRST_TURNS, job);
         if best.as_ref().is_none_or(|best| state.error < best.error) {
             best = Some(state);
         }
     }
     let Some(best) = best else { return Ok(Vec::new()) };
-    let State { solutions, maps, .. } = turns.run(best, TURNS, progress);
+    let State { solutions, maps, .. } = turns.run(best, TURNS, &last);
     let parts = solutions.into_iter().zip(maps);
     Ok(parts.map(|(solution, coefficients)| Part { solution, coefficients }).collect())
 }
@@ -106,16 +108,20 @@ impl<'a> Turns<'a> {
                 sum
             })
             .collect();
-        #[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ samples")]
         let count = (3 * self.samples.len()) as f64;
         sums.iter().sum::<f64>() / count
     }
 
-    /// The best state of some turns; never worse than the first.
-    fn run(&self, start: State, turns: usize, progress: &(dyn Fn(&str) + Sync)) -> State {
+    /// The best state of some turns, fewer if the job is stopped; never worse than the first.
+    fn run(&self, start: State, turns: usize, job: &Job<'_>) -> State {
+        job.begin("taking turns", turns as u64);
         let (mut best, mut state) = (start.clone(), start);
         for turn in 0..turns {
-            progress(&format!("turn {}, error {:.4}", turn + 1, best.error.sqrt()));
+            if job.is_stopped() {
+                break;
+            }
+            job.rename(format!("turn {}, error {:.4}", turn + 1, best.error.sqrt()));
+            job.advance(1);
             self.refine_products(&mut state);
             let values: Vec<_> = state.solutions.iter().map(|x| self.layout.values(x)).collect();
             let problem = MapProblem {

@@ -1,6 +1,6 @@
 //! What each pixel of a view shows, exactly.
 
-use brdf_render::Mesh;
+use brdf_mesh::Mesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -41,7 +41,6 @@ pub struct ViewBuffers {
 
 impl ViewBuffers {
     /// Casts a ray through the middle of each pixel, and one to the light where the view has shadows.
-    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
     pub fn of(mesh: &Mesh, view: &PaintView, width: usize, height: usize) -> Self {
         let pixels = (0..height)
             .into_par_iter()

@@ -44,7 +44,6 @@ pub(crate) fn read(values: &[f32], taps: &MapTaps) -> f32 {
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::cast_possible_wrap,
-    clippy::cast_precision_loss,
     reason = "places are clamped to the map"
 )]
 pub(crate) fn taps(size: usize, wraps: bool, place: DVec2) -> MapTaps {
@@ -88,7 +87,6 @@ fn fill(values: &mut [f32], known: &[bool], size: usize, wraps: bool) {
     let coarse_known: Vec<bool> = counts.iter().map(|count| *count > 0.0).collect();
     let mut coarse: Vec<f32> = sums.iter().zip(&counts).map(|(s, c)| s / c.max(1.0)).collect();
     fill(&mut coarse, &coarse_known, half, wraps);
-    #[expect(clippy::cast_precision_loss, reason = "maps are small")]
     let centre = |at: usize| (at as f64 + 0.5) / (2 * half) as f64;
     for (texel, value) in values.iter_mut().enumerate().filter(|(texel, _)| !known[*texel]) {
         let place = DVec2::new(centre(texel % size), centre(texel / size));

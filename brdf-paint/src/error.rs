@@ -47,4 +47,7 @@ pub enum PaintError {
     /// The factorization.
     #[error(transparent)]
     Factor(#[from] FactorError),
+    /// The work was stopped.
+    #[error(transparent)]
+    Stopped(#[from] brdf_job::Stopped),
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use brdf_factor::{
     ChannelTransform, Columns, FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem,
 };
+use brdf_job::{Job, StopCause};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,7 @@ use crate::{
 
 /// What kind of material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// One BRDF of three radial factors, the same everywhere.
@@ -33,6 +35,7 @@ pub enum Mode {
 
 /// How a material map is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SolverChoice {
     /// One product after another, each scaled under what is left (the paper's).
@@ -45,6 +48,7 @@ pub enum SolverChoice {
 
 /// Which logarithm products are fitted through.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PaintLogTransform {
     /// log(a + f), a a share of the mean value: the more, the less dark samples weigh (Eq. 12).
@@ -65,6 +69,7 @@ impl PaintLogTransform {
 
 /// Options of an extraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PaintParams {
     /// What is made.
     pub mode: Mode,
@@ -113,7 +118,6 @@ impl PaintParams {
         ];
         for (option, value, range, expected) in sizes {
             if !range.contains(&value) {
-                #[expect(clippy::cast_precision_loss, reason = "for a message")]
                 return Err(PaintError::Option { option, value: value as f64, expected });
             }
         }
@@ -122,7 +126,6 @@ impl PaintParams {
         if self.is_map() && sums > MOST_BYTES {
             let (option, expected) =
                 ("the size of maps", "fewer texels or products: 4 GiB of sums");
-            #[expect(clippy::cast_precision_loss, reason = "for a message")]
             return Err(PaintError::Option { option, value: self.map_size as f64, expected });
         }
         if let PaintLogTransform::Offset(value) = self.log_map
@@ -160,17 +163,20 @@ pub struct Extraction {
     pub unconstrained: Vec<bool>,
     /// Texels of factors that no sample touches; smoothing alone holds them.
     pub smoothed_texels: usize,
+    /// Why turns ended early, if they did: the material is the best so far.
+    pub stopped: Option<StopCause>,
 }
 
-/// Makes a material of samples. `progress` hears what is being done.
+/// Returns the material that samples make.
 ///
 /// # Errors
 ///
-/// [`PaintError::NothingPainted`], [`PaintError::Option`]; [`PaintError::Factor`] as of [`Preinverted::new`].
+/// [`PaintError::NothingPainted`], [`PaintError::Option`]; [`PaintError::Factor`] as of [`Preinverted::new`];
+/// [`PaintError::Stopped`].
 pub fn extract(
     samples: &PaintSamples,
     params: &PaintParams,
-    progress: &(dyn Fn(&str) + Sync),
+    job: &Job<'_>,
 ) -> Result<Extraction, PaintError> {
     params.check()?;
     if samples.is_empty() {
@@ -178,13 +184,14 @@ pub fn extract(
     }
     // Leading parts of shuffled samples are spread over all pictures.
     let shuffled = samples.shuffled();
-    progress("inverting");
+    let [inverting, decomposing] = job.split([1.0, 4.0]);
+    inverting.begin("inverting", 1);
     let layout = Layout::new(&shuffled, params)?;
     let parts = match (params.is_map(), params.solver) {
         (false, _) => vec![layout.single(&shuffled)],
-        (true, SolverChoice::Paper) => paper::decompose(&layout, &shuffled, params, progress),
+        (true, SolverChoice::Paper) => paper::decompose(&layout, &shuffled, params, &decomposing)?,
         (true, SolverChoice::Alternating) => {
-            alternating::decompose(&layout, &shuffled, params, progress)?
+            alternating::decompose(&layout, &shuffled, params, &decomposing)?
         }
     };
     let limit = brightest(&samples.values);
@@ -198,7 +205,14 @@ pub fn extract(
         Vec::new()
     };
     let smoothed_texels = layout.inverted.untouched_texels().iter().map(Vec::len).sum();
-    Ok(Extraction { material, errors, contradictions, unconstrained, smoothed_texels })
+    Ok(Extraction {
+        material,
+        errors,
+        contradictions,
+        unconstrained,
+        smoothed_texels,
+        stopped: job.stop_cause(),
+    })
 }
 
 /// A product and its map, as they are solved for.
@@ -312,7 +326,6 @@ fn brightest(values: &[[f32; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|channel| values.iter().map(|v| f64::from(v[channel])).fold(0.0, f64::max))
 }
 
-#[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ samples")]
 fn mean(values: &[[f32; 3]]) -> f64 {
     let sum: f64 = values.iter().flatten().map(|v| f64::from(*v)).sum();
     let mean = sum / (3 * values.len()).max(1) as f64;

@@ -40,7 +40,6 @@ impl MapProblem<'_> {
         let count = self.products.len();
         let gram = self.sums(maps, true).gram;
         let texels = self.size * self.size;
-        #[expect(clippy::cast_precision_loss, reason = "few products, and maps are small")]
         let mean = {
             let touched = gram.chunks_exact(count * count).filter(|g| g[0] > 0.0).count().max(1);
             let traces = gram.chunks_exact(count * count);

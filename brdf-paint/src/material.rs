@@ -23,6 +23,7 @@ pub struct Component {
 
 /// Values that a material cannot have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Clamped {
     /// Samples at which a product was below 0.
     pub below_zero: usize,

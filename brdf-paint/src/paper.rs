@@ -2,9 +2,11 @@
 //!
 //! Source: Jaroszkiewicz and McCool 2003, section 4.2, with log(a + Δ) where the residual Δ becomes 0.
 
+use brdf_job::Job;
+
 use crate::coefficient_map::{CoefficientMap, read};
 use crate::extract::{Layout, Part, by_channel};
-use crate::{PaintParams, PaintSamples};
+use crate::{PaintError, PaintParams, PaintSamples};
 
 /// Fits a product to what is left, scales it by a map until it is nowhere above a sample of any view, and
 /// goes on with the rest (Eq. 17–19).
@@ -13,14 +15,16 @@ pub(crate) fn decompose(
     layout: &Layout,
     samples: &PaintSamples,
     params: &PaintParams,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Vec<Part> {
+    job: &Job<'_>,
+) -> Result<Vec<Part>, PaintError> {
+    job.begin("fitting products", params.products as u64);
     let mut rest = by_channel(&samples.values);
     let mut workspace = layout.inverted.workspace(3);
     let known = layout.touched(params.map_size);
     let mut parts = Vec::with_capacity(params.products);
     for product in 0..params.products {
-        progress(&format!("product {}", product + 1));
+        job.check()?;
+        job.rename(format!("product {}", product + 1));
         layout.inverted.solve(&rest, &layout.maps, &mut workspace);
         let solution = workspace.solution().to_vec();
         let values = layout.values(&solution);
@@ -49,6 +53,7 @@ pub(crate) fn decompose(
             }
         }
         parts.push(Part { solution, coefficients: map.values });
+        job.advance(1);
     }
-    parts
+    Ok(parts)
 }

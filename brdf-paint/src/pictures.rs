@@ -1,8 +1,8 @@
 //! What paintings, materials and their differences look like.
 
+use brdf_image::{DIFFERENCE_GAIN, DisplayImage, Film, Panel, Pixel, ToneMap, difference, strip};
 use brdf_model::Rgb;
 use brdf_param::DirectionPair;
-use brdf_render::{DIFFERENCE_GAIN, DisplayImage, Film, Panel, Pixel, ToneMap, difference, strip};
 
 use crate::contradictions::Contradictions;
 use crate::{CoefficientMap, PaintedImage, PaintedMaterial, ViewBuffers};

@@ -42,6 +42,7 @@ impl PaintedImage {
 
 /// Pixels that give no sample, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Skipped {
     /// Painted where the view shows nothing of the object.
     pub outside: usize,
@@ -108,6 +109,7 @@ pub struct PaintSamples {
 
 /// Differences from samples over all pixels and channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PaintErrors {
     /// Root mean square.
     pub rms: f64,
@@ -229,7 +231,6 @@ impl PaintSamples {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
             reason = "a share of a count"
         )]
         let mut step = ((count as f64 * 0.618_034) as usize).max(1);
@@ -254,7 +255,6 @@ impl PaintSamples {
     }
 
     /// How far predicted values are from the samples.
-    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ pixels")]
     pub fn errors_of(&self, predicted: &[[f32; 3]]) -> PaintErrors {
         let (mut squares, mut max) = (0.0, 0.0_f64);
         for (found, wanted) in predicted.iter().flatten().zip(self.values.iter().flatten()) {

@@ -1,6 +1,6 @@
 //! Where cameras and lights stand.
 
-use brdf_render::{Camera, Mesh};
+use brdf_mesh::{Camera, Mesh};
 use glam::{DMat3, DVec3};
 
 use crate::PaintError;
@@ -98,7 +98,6 @@ pub fn vertex_views(mesh: &Mesh) -> Vec<PaintView> {
 pub fn spiral_views(mesh: &Mesh, count: usize) -> Vec<PaintView> {
     // Each step turns by the golden angle and goes down by the same height.
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    #[expect(clippy::cast_precision_loss, reason = "few views")]
     let direction = |at: usize| {
         let height = 1.0 - (2 * at + 1) as f64 / count as f64;
         let (sin, cos) = (golden * at as f64).sin_cos();
@@ -144,7 +143,7 @@ pub fn face_views(mesh: &Mesh) -> Vec<PaintView> {
 
 #[cfg(test)]
 mod tests {
-    use brdf_render::Soup;
+    use brdf_mesh::Soup;
 
     use super::*;
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use brdf_mesh::{Mesh, Soup};
 use brdf_model::{Analytic, Brdf, Preset, Rgb};
 use brdf_paint::{
     Contradictions, Extraction, GroundTruth, LightSource, Mode, PaintError, PaintLogTransform,
@@ -9,7 +10,6 @@ use brdf_paint::{
     face_views, vertex_views,
 };
 use brdf_param::DirectionPair;
-use brdf_render::{Mesh, Soup};
 
 const SIZE: usize = 64;
 

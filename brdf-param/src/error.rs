@@ -1,14 +1,12 @@
 //! What can be wrong with a projection or a parametrization.
 
+use std::fmt;
+
 /// Errors of this crate.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParamError {
     /// The two rows of a projection span less than a plane.
-    #[error(
-        "the two rows of the projection are linearly dependent: {first:?} and {second:?}; \
-         expected two independent rows of four numbers"
-    )]
     DependentRows {
         /// The first row as given.
         first: [f64; 4],
@@ -16,7 +14,6 @@ pub enum ParamError {
         second: [f64; 4],
     },
     /// A projection row holds NaN or an infinity.
-    #[error("row {row} of the projection holds {value}; expected finite numbers")]
     NotFinite {
         /// 0 or 1.
         row: usize,
@@ -24,7 +21,6 @@ pub enum ParamError {
         value: f64,
     },
     /// A name that no parametrization carries.
-    #[error("unknown parametrization {name:?}; expected one of {expected}")]
     UnknownName {
         /// The name as given.
         name: String,
@@ -32,3 +28,24 @@ pub enum ParamError {
         expected: String,
     },
 }
+
+// By hand: a derive would cost this crate, which everything stands on, six more.
+impl fmt::Display for ParamError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DependentRows { first, second } => write!(
+                f,
+                "the two rows of the projection are linearly dependent: {first:?} and {second:?}; \
+                 expected two independent rows of four numbers"
+            ),
+            Self::NotFinite { row, value } => {
+                write!(f, "row {row} of the projection holds {value}; expected finite numbers")
+            }
+            Self::UnknownName { name, expected } => {
+                write!(f, "unknown parametrization {name:?}; expected one of {expected}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ParamError {}

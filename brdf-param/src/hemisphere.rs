@@ -3,13 +3,16 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use crate::direction::{azimuth, polar_angle, spherical_direction};
 
 /// A map between unit directions of the upper hemisphere and points of a plane domain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum HemisphereMap {
     /// (theta, phi) in radians, [0, π/2] × (−π, π].
     Spherical,

@@ -15,6 +15,7 @@
 
 mod direction;
 mod error;
+mod frame;
 mod half_difference;
 mod hemisphere;
 mod hemispheres;
@@ -29,6 +30,7 @@ mod standard;
 
 pub use direction::{DirectionPair, azimuth, polar_angle, spherical_direction, wrap_azimuth};
 pub use error::ParamError;
+pub use frame::Frame;
 pub use half_difference::HalfDifference;
 pub use hemisphere::HemisphereMap;
 pub use hybrid::Hybrid;

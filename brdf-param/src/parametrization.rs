@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use glam::{DVec2, DVec4};
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -16,15 +17,17 @@ pub struct Coordinates(pub DVec4);
 
 /// A change of variables of the BRDF domain: a bijection between direction pairs and four
 /// coordinates, up to the degenerate pairs named on each type.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Parametrization {
     /// [`Standard`].
     Standard,
     /// [`HalfDifference`].
     HalfDifference,
     /// [`KautzMcCool`].
-    #[serde(rename = "kautz-mccool")]
+    #[cfg_attr(feature = "serde", serde(rename = "kautz-mccool"))]
     KautzMcCool,
     /// [`Orthographic`].
     Orthographic,

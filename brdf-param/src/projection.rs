@@ -5,13 +5,16 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec4};
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use crate::{DirectionPair, HemisphereMap, KautzMcCool, ParamError, convex_hull};
 
 /// The pair of direction vectors that a projection acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Space {
     /// Parabolic coordinates of `wi` and `wo`.
     Standard,
@@ -53,7 +56,9 @@ impl Space {
 }
 
 /// The largest radius of each coordinate pair, in parabolic units.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DiscRadii {
     /// Of the first pair, (0, 1].
     pub first: f64,
@@ -72,8 +77,10 @@ impl DiscRadii {
 }
 
 /// What the domain of a projection is taken to be when its image is scaled to [−1, 1]².
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Bound {
     /// The product of two discs: r₁√(a² + b²) + r₂√(c² + d²) for a row (a, b, c, d). Exact.
     Disc,
@@ -82,8 +89,10 @@ pub enum Bound {
 }
 
 /// Two orthonormal rows of four numbers; in files, a list of two lists.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "[[f64; 4]; 2]", into = "[[f64; 4]; 2]")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(try_from = "[[f64; 4]; 2]", into = "[[f64; 4]; 2]"))]
 pub struct Projection {
     rows: [DVec4; 2],
 }

@@ -107,7 +107,6 @@ impl Default for Counts {
 
 impl Counts {
     #[expect(
-        clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "angles lie between 0 and a right one"

@@ -149,7 +149,6 @@ impl Curves {
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a handful")]
 fn legend_rows(series: usize) -> f64 {
     series as f64
 }

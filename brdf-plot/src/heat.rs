@@ -203,7 +203,6 @@ impl Contours {
         let lines = ContourBuilder::new(columns, rows, true)
             .lines(&values, &self.levels)
             .map_err(|e| drawing(&e))?;
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let (wide, high) = (columns as f64, rows as f64);
         let mut out = Vec::new();
         for line in lines.iter().flat_map(|contour| contour.geometry().0.iter()) {
@@ -230,7 +229,6 @@ impl Contours {
     fn is_known(&self, x: f64, y: f64) -> bool {
         let (columns, rows) = (self.field.columns, self.field.rows());
         // The library closes its lines along the rim of the grid.
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let on_rim = |at: f64, count: usize| at < 0.51 || at > count as f64 - 0.51;
         if on_rim(x, columns) || on_rim(y, rows) {
             return false;
@@ -266,7 +264,6 @@ fn draw_bar(
     (left, top): (i32, i32),
     scale: &HeatScale,
 ) -> Result<(), PlotError> {
-    #[expect(clippy::cast_precision_loss, reason = "a hundred steps")]
     let share = |step: usize| 1.0 - step as f64 / (BAR_STEPS - 1) as f64;
     let pixels = (0..BAR_STEPS).flat_map(|step| heat(share(step))).collect();
     let place = [left + 8, top, 14, SIDE];

@@ -75,7 +75,6 @@ pub fn plot_test_functions() -> Result<Plot, PlotError> {
 
 /// `count` shares strictly between 0 and 1.
 fn steps(count: usize) -> impl Iterator<Item = f64> {
-    #[expect(clippy::cast_precision_loss, reason = "a handful")]
     (1..=count).map(move |step| step as f64 / (count + 1) as f64)
 }
 

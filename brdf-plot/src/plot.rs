@@ -64,7 +64,6 @@ impl Plot {
         let tree = Tree::from_str(&self.svg, &options).map_err(|e| drawing(&e))?;
         let size = tree.size().to_int_size();
         #[expect(
-            clippy::cast_precision_loss,
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "sheets are a few thousand units wide"

@@ -1,6 +1,6 @@
 //! Textures beside each other.
 
-use brdf_render::DisplayImage;
+use brdf_image::DisplayImage;
 use plotters::prelude::*;
 
 use crate::colours::INK;

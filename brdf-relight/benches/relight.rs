@@ -9,13 +9,15 @@
 
 use std::hint::black_box;
 
+use brdf_job::Job;
+use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_model::Preset;
 use brdf_relight::{
     BrdfMaps, Codec, CubeLightSampler, LightMaps, LightRule, MapParams, Occluder, Part,
     Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface,
     factor_for_relighting, render,
 };
-use brdf_render::{Camera, Environment, Mesh, Soup};
+use brdf_render::Environment;
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 
@@ -28,7 +30,8 @@ fn work(mesh: &Mesh, codec: Codec) -> Precomputation {
     let params =
         MapParams { rank: 16, light_maps: LightMaps::Joint, resolution: 48, weight_power: 0.0 };
     let brdf = Preset::find("plastic").unwrap().brdf();
-    let maps = BrdfMaps::of(&factor_for_relighting(&brdf, &params).unwrap().model).unwrap();
+    let maps =
+        BrdfMaps::of(&factor_for_relighting(&brdf, &params, &Job::new()).unwrap().model).unwrap();
     let params = PrecomputeParams { codec, quality: Quality::One };
     Precomputation::new(mesh, Surface::of(mesh), maps, params)
 }

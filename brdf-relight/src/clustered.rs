@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use crate::RelightError;
 use crate::coefficients::Coding;
+use crate::error::RelightError;
 use crate::light::LitCoefficients;
 use crate::precompute::Chunk;
 use crate::store::SparseTransport;

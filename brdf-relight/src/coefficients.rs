@@ -6,6 +6,7 @@ use crate::cube::TEXELS;
 
 /// How the values of kept coefficients are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Coding {
     /// Red, green and blue of 11, 11 and 10 bits in a word.
@@ -48,7 +49,6 @@ impl Coding {
     /// Red, green and blue of a code, in units of the vector's scale.
     #[inline(always)]
     #[expect(
-        clippy::cast_precision_loss,
         clippy::cast_possible_wrap,
         clippy::cast_possible_truncation,
         reason = "signed numbers of few bits"

@@ -1,10 +1,12 @@
 //! How far relighting is from what it stands for, and which step loses what.
 
+use brdf_job::Job;
 use brdf_model::Brdf;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::error::RelightError;
 use crate::exact::{brute_force, received, seen};
 use crate::frame::tangent_frame;
 use crate::light::{CubeLight, LightRule};
@@ -28,6 +30,7 @@ pub struct CompareParams {
 /// Errors relative to what they are taken from: root of the sum of squared differences over that of squares, all
 /// channels, vertices and views together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorBreakdown {
     /// Of everything together, from the exact BRDF under all light with sixteen rays a texel.
     pub total: f64,
@@ -85,14 +88,19 @@ struct Colours {
 const LEAST_COSINE: f64 = 0.1;
 const VIEWS: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
-/// Compares colours of an object's vertices, seen from the six axes, with brute force.
+/// Compares colours of an object's vertices, seen from the six axes, with brute force. Work is counted in vertices.
+///
+/// # Errors
+///
+/// [`RelightError::Stopped`].
 pub fn compare(
     part: &Part<'_>,
     occluder: &Occluder,
     brdf: &dyn Brdf,
     light: &CubeLight,
     params: &CompareParams,
-) -> ErrorBreakdown {
+    job: &Job<'_>,
+) -> Result<ErrorBreakdown, RelightError> {
     let (surface, maps) = (&part.surface, &part.maps);
     let shading_points = surface.shading_points(diagonal(&surface.positions));
     let count = params.vertices.clamp(1, shading_points.len());
@@ -102,11 +110,13 @@ pub fn compare(
         relit.relight(std::slice::from_ref(part), &light.coefficients(rule));
         relit.parts.swap_remove(0)
     });
+    job.begin("brute force", count as u64);
     let colours: Vec<Vec<Colours>> = (0..count)
         .into_par_iter()
         .map_init(
             || TransportWorkspace::new(maps.light.width()),
             |workspace, at| {
+                job.check()?;
                 let vertex = at * shading_points.len() / count;
                 let site = shading_points[vertex];
                 let views: Vec<DVec3> =
@@ -131,19 +141,20 @@ pub fn compare(
                     own.iter().map(|value| value.map(f64::from)).collect::<Vec<_>>()
                 });
                 let view = |arriving: &[[f64; 3]], local: DVec3| seen(maps, arriving, local);
+                job.advance(1);
                 let each = locals.iter().zip(exact).zip(fewer_rays);
-                each.map(|((local, exact), fewer_rays)| Colours {
+                let each = each.map(|((local, exact), fewer_rays)| Colours {
                     exact,
                     fewer_rays,
                     terms: view(&full, *local),
                     uncut: view(&own, *local),
                     all_light: view(&kept[0], *local),
                     stored: view(&kept[1], *local),
-                })
-                .collect()
+                });
+                Ok(each.collect())
             },
         )
-        .collect();
+        .collect::<Result<_, RelightError>>()?;
     let mut sums = [Sums::default(); 5];
     let (mut count, mut negative) = (0, 0);
     for colours in colours.iter().flatten() {
@@ -159,5 +170,5 @@ pub fn compare(
         negative += usize::from(colours.stored.iter().any(|v| *v < 0.0));
     }
     let [total, rank, coefficients, light, visibility] = sums.map(|sums| sums.ratio());
-    ErrorBreakdown { total, rank, coefficients, light, visibility, colours: count, negative }
+    Ok(ErrorBreakdown { total, rank, coefficients, light, visibility, colours: count, negative })
 }

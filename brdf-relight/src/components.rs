@@ -3,9 +3,9 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par, Side};
 
-use crate::RelightError;
 use crate::coefficients::Coding;
 use crate::cube::TEXELS;
+use crate::error::RelightError;
 use crate::maps::Terms;
 use crate::precompute::Chunk;
 use crate::transport::SparseVectors;
@@ -41,7 +41,6 @@ pub(crate) fn components(
         .self_adjoint_eigen(Side::Lower)
         .map_err(|error| RelightError::Components { found: format!("{error:?}") })?;
     // Eigenvalues ascend.
-    #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
     let price_of_weights = 0.5 * least * count as f64;
     let energies = eigen.S().column_vector();
     let kept = (0..count).rev().take_while(|at| energies[*at] > price_of_weights).count();
@@ -59,7 +58,6 @@ pub(crate) fn components(
             shares.iter().fold(0.0_f32, |most, v| if v.abs() > most.abs() { *v } else { most });
         let values = bases.col(component).iter().copied().collect::<Vec<f32>>();
         let (entries, energy) = entries(&values, &columns, terms, largest, least);
-        #[expect(clippy::cast_precision_loss, reason = "a count of numbers")]
         let price = least * entries.iter().map(Vec::len).sum::<usize>() as f64;
         if energy > price + price_of_weights {
             made.vectors.push(vectors(&entries, Coding::of(channels)));

@@ -41,7 +41,6 @@ impl Face {
 }
 
 /// Where the middle of a column or row of a face of so many stands, in [−1, 1].
-#[expect(clippy::cast_precision_loss, reason = "faces have few texels")]
 pub fn middle(at: usize, side: usize) -> f64 {
     (2 * at + 1) as f64 / side as f64 - 1.0
 }
@@ -58,7 +57,6 @@ pub fn direction(texel: usize) -> DVec3 {
 }
 
 /// Steradians of a texel, exact.
-#[expect(clippy::cast_precision_loss, reason = "faces have few texels")]
 pub fn solid_angle(texel: usize) -> f64 {
     let (_, row, column) = place(texel);
     let edge = |at: usize| 2.0 * at as f64 / SIDE as f64 - 1.0;

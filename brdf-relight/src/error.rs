@@ -31,4 +31,7 @@ pub enum RelightError {
     /// The factorization.
     #[error(transparent)]
     Separable(#[from] SeparableError),
+    /// The work was stopped.
+    #[error(transparent)]
+    Stopped(#[from] brdf_job::Stopped),
 }

@@ -1,13 +1,15 @@
 //! Light at vertices by brute force: slow, and what everything else is measured by.
 
+use brdf_job::Job;
+use brdf_mesh::Mesh;
 use brdf_model::Brdf;
 use brdf_param::DirectionPair;
-use brdf_render::Mesh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::coefficients::Coding;
 use crate::cube::TEXELS;
+use crate::error::RelightError;
 use crate::frame::tangent_frame;
 use crate::light::CubeLight;
 use crate::maps::BrdfMaps;
@@ -22,7 +24,12 @@ use crate::visibility::Quality;
 const LEAST_COSINE: f64 = 0.02;
 
 /// A part whose only term is what each vertex shows a place, of the exact BRDF (or of the part's own maps where there
-/// is none) under all light, with sixteen rays a texel where neighbours differ; and that term. `done` hears of each vertex.
+/// is none) under all light, with sixteen rays a texel where neighbours differ; and that term. Work is counted
+/// in vertices.
+///
+/// # Errors
+///
+/// [`RelightError::Stopped`].
 pub fn exact_part(
     part: &Part<'_>,
     mesh: &Mesh,
@@ -30,14 +37,16 @@ pub fn exact_part(
     brdf: Option<&dyn Brdf>,
     light: &CubeLight,
     eye: DVec3,
-    done: &(dyn Fn() + Sync),
-) -> (Part<'static>, Vec<[f32; 3]>) {
+    job: &Job<'_>,
+) -> Result<(Part<'static>, Vec<[f32; 3]>), RelightError> {
     let sky = CubeDirections::default();
     let maps = &part.maps;
     let shading_points = part.surface.shading_points(diagonal(mesh.positions()));
+    job.begin("brute force", shading_points.len() as u64);
     let colours = shading_points.par_iter().map_init(
         || TransportWorkspace::new(maps.light.width()),
         |workspace, site| {
+            job.check()?;
             let frame = tangent_frame(site.normal);
             let mut wo = frame.transpose() * (eye - site.position).normalize_or(DVec3::Y);
             wo.z = wo.z.max(LEAST_COSINE);
@@ -55,16 +64,17 @@ pub fn exact_part(
                     seen(maps, &received(values, maps, &light.radiance), wo)
                 }
             };
-            done();
+            job.advance(1);
             #[expect(clippy::cast_possible_truncation, reason = "light at vertices is f32")]
-            colour.map(|v| v as f32)
+            let narrow = colour.map(|v| v as f32);
+            Ok(narrow)
         },
     );
-    let colours: Vec<[f32; 3]> = colours.collect();
+    let colours: Vec<[f32; 3]> = colours.collect::<Result<_, RelightError>>()?;
     let none = SparseVectors { largest: vec![0.0], counts: vec![0], ..Default::default() };
     let transport = SparseTransport::of(Coding::Scalar, &vec![&none; colours.len()]);
     let one = BrdfMaps::diffuse(std::f32::consts::PI);
-    (Part::assemble(part.surface.clone(), one, Transport::Wavelets(transport)), colours)
+    Ok((Part::assemble(part.surface.clone(), one, Transport::Wavelets(transport)), colours))
 }
 
 /// Radiance towards each view of the exact BRDF.

@@ -1,5 +1,6 @@
 //! BRDFs as light maps and view maps.
 
+use brdf_job::Job;
 use brdf_model::{Brdf, Channels};
 use brdf_param::{HemisphereMap, Parametrization};
 use brdf_separable::{
@@ -8,10 +9,11 @@ use brdf_separable::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::RelightError;
+use crate::error::RelightError;
 
 /// What light maps hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightMaps {
     /// Red, green and blue: eigenpairs of each channel (the paper's).
@@ -22,6 +24,7 @@ pub enum LightMaps {
 
 /// Options of the factorization.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MapParams {
     /// Number of terms; groups of equal magnitude are completed beyond it.
     pub rank: usize,
@@ -33,7 +36,7 @@ pub struct MapParams {
     pub weight_power: f64,
 }
 
-/// Factors a BRDF over the orthographic discs of light and view.
+/// Returns a BRDF factored over the orthographic discs of light and view.
 ///
 /// # Errors
 ///
@@ -41,6 +44,7 @@ pub struct MapParams {
 pub fn factor_for_relighting(
     brdf: &dyn Brdf,
     params: &MapParams,
+    job: &Job<'_>,
 ) -> Result<SeparableFit, RelightError> {
     let map = HemisphereMap::OrthographicDisc;
     let chart = HemisphereGrid::Plane { map, resolution: params.resolution };
@@ -58,5 +62,5 @@ pub fn factor_for_relighting(
     let joint_rgb = params.light_maps == LightMaps::Joint;
     let settings =
         SeparableParams { decomposition, rank: params.rank, joint_rgb, ..Default::default() };
-    Ok(factorize_matrix(&matrix, &settings)?)
+    Ok(factorize_matrix(&matrix, &settings, job)?)
 }

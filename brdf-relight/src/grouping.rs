@@ -39,7 +39,6 @@ fn split(vertices: &mut [u32], features: &[[f64; 6]], most: usize, clusters: &mu
     let of = |vertex: &u32, axis: usize| features[*vertex as usize][axis];
     let spread = |axis: usize| {
         let values = || vertices.iter().map(|vertex| of(vertex, axis));
-        #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
         let mean = values().sum::<f64>() / vertices.len() as f64;
         values().map(|v| (v - mean).powi(2)).sum::<f64>()
     };

@@ -10,6 +10,7 @@ use crate::haar;
 
 /// Which coefficients of a light are used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightRule {
     /// The largest, until what is left of the energy beyond the brightest hundredth is .5 %; from 200 to 1,000.
@@ -84,7 +85,6 @@ impl CubeLightSampler {
     /// An environment turned about the vertical by an angle in radians, counter-clockwise seen from above: means over each
     /// texel.
     #[expect(
-        clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "places are brought into the map"

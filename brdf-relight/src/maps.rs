@@ -4,7 +4,7 @@ use brdf_param::{HemisphereMap, Parametrization};
 use brdf_separable::{HemisphereGrid, SeparableBrdf, ValueTransform};
 use glam::Vec3;
 
-use crate::RelightError;
+use crate::error::RelightError;
 
 /// Textures over the orthographic disc: all terms and channels of a texel stand together.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +66,6 @@ impl MapStack {
     /// Unless `out` is as long as a texel.
     #[inline(always)]
     #[expect(
-        clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "positions are brought into the texture first"
@@ -188,7 +187,6 @@ impl BrdfMaps {
                 }
             }
         }
-        #[expect(clippy::cast_precision_loss, reason = "a count of texels")]
         let disc = std::f64::consts::FRAC_PI_4 * (size * size) as f64;
         #[expect(clippy::cast_possible_truncation, reason = "transport is f32")]
         let weights = sums.iter().map(|sum| (sum / disc).sqrt() as f32).collect();

@@ -1,13 +1,13 @@
 //! How transport is made.
 
-use brdf_render::Mesh;
+use brdf_mesh::Mesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::RelightError;
 use crate::clustered::ClusteredTransport;
 use crate::coefficients::Coding;
 use crate::components::components;
+use crate::error::RelightError;
 use crate::grouping::clusters;
 use crate::maps::{BrdfMaps, Terms};
 use crate::ray_packet::Occluder;
@@ -21,6 +21,7 @@ use crate::visibility::Quality;
 
 /// How transport is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Codec {
     /// The largest wavelet coefficients of each vector (the paper's).
@@ -38,6 +39,7 @@ pub enum Codec {
 
 /// Options of a precomputation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PrecomputeParams {
     /// How transport is stored.
     pub codec: Codec,

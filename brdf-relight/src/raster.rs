@@ -1,7 +1,8 @@
 //! Pictures of relit surfaces by drawing their triangles.
 
+use brdf_image::{Film, Pixel};
+use brdf_mesh::Camera;
 use brdf_model::Rgb;
-use brdf_render::{Camera, Film, Pixel};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -93,12 +94,7 @@ fn project(shot: &RenderParams, position: glam::DVec3, normal: Vec3) -> Projecte
 const CHUNK: usize = 8192;
 
 /// For each chunk of triangles and each band of so many rows of points, the triangles that reach into it, as part and number.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "rows of a picture"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of a picture")]
 fn bins(
     parts: &[Part<'_>],
     projected: &[Vec<Projected>],
@@ -142,12 +138,7 @@ fn visible(vertices: &[Projected], corners: &[u32; 3]) -> Option<[Projected; 3]>
 }
 
 /// What the points of a band show, `[row][column]`.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "places in a picture"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in a picture")]
 fn drawn<'a>(
     parts: &[Part<'_>],
     projected: &[Vec<Projected>],
@@ -224,7 +215,6 @@ struct RayGrid {
 }
 
 impl RayGrid {
-    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
     fn of(shot: &RenderParams) -> Self {
         let (camera, side) = (&shot.camera, (shot.size * shot.points) as f64);
         let right = camera.forward().cross(camera.up());
@@ -237,7 +227,6 @@ impl RayGrid {
     }
 
     #[inline(always)]
-    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2²⁴")]
     fn through(&self, column: usize, row: usize) -> Vec3 {
         self.origin + column as f32 * self.across + row as f32 * self.down
     }
@@ -259,7 +248,6 @@ impl pulp::NullaryFnOnce for Shade<'_> {
     type Output = usize;
 
     #[inline(always)]
-    #[expect(clippy::cast_precision_loss, reason = "few points")]
     fn call(self) -> usize {
         let Self { parts, relit, shot, rays, points, first, values, pixels } = self;
         let (per, side) = (shot.points, shot.size * shot.points);

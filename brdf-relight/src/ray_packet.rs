@@ -7,7 +7,7 @@
 
 use std::time::Duration;
 
-use brdf_render::Mesh;
+use brdf_mesh::Mesh;
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -292,7 +292,6 @@ const SLACK: f32 = 1e-3;
 impl Rays {
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "coordinates are f32 here")]
-    #[expect(clippy::cast_precision_loss, reason = "faces have few rays")]
     fn of(tile: &Tile) -> Self {
         let places = |first| std::array::from_fn(|at| middle(first + at, tile.side) as f32);
         Self {

@@ -1,9 +1,10 @@
 //! Objects with their transport, and what light makes of them.
 
+use brdf_mesh::{Mesh, MeshError, Soup};
 use glam::Vec3;
 
-use crate::RelightError;
 use crate::coefficients::Coding;
+use crate::error::RelightError;
 use crate::light::LitCoefficients;
 use crate::maps::BrdfMaps;
 use crate::store::Transport;
@@ -61,6 +62,21 @@ impl<'a> Part<'a> {
             );
         }
         Ok(Self::assemble(surface, maps, transport))
+    }
+
+    /// Returns the surface as a mesh, for rays.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError`] for a surface without area.
+    pub fn mesh(&self) -> Result<Mesh, MeshError> {
+        let soup = Soup {
+            positions: self.surface.positions.clone(),
+            normals: Some(self.surface.normals.clone()),
+            triangles: self.surface.triangles.clone(),
+            ..Soup::default()
+        };
+        Ok(Mesh::new(soup)?.0)
     }
 
     /// The same of parts that are known to fit.

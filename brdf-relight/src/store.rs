@@ -7,10 +7,10 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use crate::RelightError;
 use crate::clustered::ClusteredTransport;
 use crate::coefficients::Coding;
 use crate::cube::TEXELS;
+use crate::error::RelightError;
 use crate::light::LitCoefficients;
 use crate::transport::SparseVectors;
 

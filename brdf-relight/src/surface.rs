@@ -1,6 +1,6 @@
 //! What is shaded: vertices with normals.
 
-use brdf_render::Mesh;
+use brdf_mesh::Mesh;
 use glam::DVec3;
 
 use crate::transport::ShadingPoint;

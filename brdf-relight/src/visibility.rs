@@ -7,6 +7,7 @@ use crate::ray_packet::{Occluder, TILE, Tile};
 
 /// How finely the sky is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
     /// One ray through the middle of each texel.

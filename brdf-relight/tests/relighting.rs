@@ -4,10 +4,13 @@
 
 use std::f64::consts::PI;
 
+use brdf_image::Pixel;
+use brdf_job::Job;
+use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_model::{Brdf, Preset};
 use brdf_relight::cube::{TEXELS, direction, solid_angle};
 use brdf_relight::*;
-use brdf_render::{Camera, Environment, Mesh, Pixel, Soup};
+use brdf_render::Environment;
 use glam::DVec3;
 
 fn torus() -> Mesh {
@@ -36,7 +39,7 @@ fn environment() -> Environment {
 fn maps(name: &str, rank: usize, light_maps: LightMaps) -> BrdfMaps {
     let brdf = Preset::find(name).unwrap().brdf();
     let params = MapParams { rank, light_maps, resolution: 24, weight_power: 0.0 };
-    BrdfMaps::of(&factor_for_relighting(&brdf, &params).unwrap().model).unwrap()
+    BrdfMaps::of(&factor_for_relighting(&brdf, &params, &Job::new()).unwrap().model).unwrap()
 }
 
 #[test]
@@ -336,7 +339,7 @@ fn more_terms_and_coefficients_come_closer_to_brute_force() {
         let maps = maps("light-brown-plastic", rank, LightMaps::Joint);
         let codec = Codec::Wavelet { coefficients };
         let part = plan(Surface::of(&mesh), &maps, codec, params.quality).run(&occluder).unwrap();
-        compare(&part, &occluder, &brdf, &light, &params)
+        compare(&part, &occluder, &brdf, &light, &params, &Job::new()).unwrap()
     };
     let (few, many) = (split(2, 24), split(12, 192));
     assert!(many.rank < 0.7 * few.rank, "{many:?} and {few:?}");

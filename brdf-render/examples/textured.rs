@@ -6,11 +6,12 @@ use std::f64::consts::TAU;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use brdf_image::{DisplayImage, ToneMap};
 use brdf_model::{Brdf, Preset, Rgb};
 use brdf_param::DirectionPair;
 use brdf_render::{
-    DirectionalLight, DisplayImage, Environment, Light, Shape, SpatiallyVarying, TexturePoint,
-    TexturedView, ToneMap, render_textured,
+    DirectionalLight, Environment, Light, Shape, SpatiallyVarying, TexturePoint, TexturedView,
+    render_textured,
 };
 use glam::DVec3;
 

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use brdf_param::spherical_direction;
 use glam::DVec3;
 
-use crate::{Environment, EnvironmentError};
+use crate::light::{Environment, EnvironmentError};
 
 const WIDTH: usize = 128;
 const HEIGHT: usize = 64;
@@ -60,7 +60,6 @@ impl Environment {
 
 /// An environment from radiance as a function of direction: y up, z towards the camera.
 fn from_function(radiance: impl Fn(DVec3) -> [f64; 3]) -> Result<Environment, EnvironmentError> {
-    #[expect(clippy::cast_precision_loss, reason = "a small picture")]
     let share = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
     let texels = (0..WIDTH * HEIGHT)
         .map(|index| {

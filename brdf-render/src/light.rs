@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use brdf_model::Rgb;
+use brdf_image::{ImageError, decode_hdr};
+use brdf_model::{DirectionSampler, Distribution1D, Rgb};
 use brdf_param::spherical_direction;
 use glam::DVec3;
 
@@ -40,11 +41,21 @@ impl DirectionalLight {
 
 /// A lat-long environment that cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{width} × {height} environment: {problem}")]
-pub struct EnvironmentError {
-    width: usize,
-    height: usize,
-    problem: &'static str,
+#[non_exhaustive]
+pub enum EnvironmentError {
+    /// The texels make none.
+    #[error("{width} × {height} environment: {problem}")]
+    Texels {
+        /// Texels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// The file is no picture.
+    #[error(transparent)]
+    Image(#[from] ImageError),
 }
 
 /// A lat-long map of radiance: the top row is up (+y), the centre is −z, the light from the right
@@ -54,9 +65,8 @@ pub struct Environment {
     width: usize,
     height: usize,
     texels: Vec<[f32; 3]>,
-    /// Running sum over all texels of luminance times solid angle, normalized.
-    cumulative: Vec<f64>,
-    total: f64,
+    /// Over all texels, by luminance times solid angle.
+    distribution: Distribution1D,
 }
 
 impl Environment {
@@ -70,28 +80,29 @@ impl Environment {
         height: usize,
         texels: Vec<[f32; 3]>,
     ) -> Result<Self, EnvironmentError> {
-        let refuse = |problem| EnvironmentError { width, height, problem };
+        let refuse = |problem| EnvironmentError::Texels { width, height, problem };
         if width == 0 || texels.len() != width * height {
             return Err(refuse("texels are missing"));
         }
         if !texels.iter().flatten().all(|v| v.is_finite() && *v >= 0.0) {
             return Err(refuse("a texel is negative or not finite"));
         }
-        let mut total = 0.0;
-        let mut cumulative: Vec<f64> = texels
-            .iter()
-            .enumerate()
-            .map(|(index, texel)| {
-                let luminance = Rgb::from(texel.map(f64::from)).luminance();
-                total += luminance * solid_angle(index / width, width, height);
-                total
-            })
-            .collect();
-        if total <= 0.0 {
-            return Err(refuse("no texel is lit"));
-        }
-        cumulative.iter_mut().for_each(|sum| *sum /= total);
-        Ok(Self { width, height, texels, cumulative, total })
+        let weights = texels.iter().enumerate().map(|(index, texel)| {
+            let luminance = Rgb::from(texel.map(f64::from)).luminance();
+            luminance * solid_angle(index / width, width, height)
+        });
+        let distribution = Distribution1D::new(weights).ok_or_else(|| refuse("no texel is lit"))?;
+        Ok(Self { width, height, texels, distribution })
+    }
+
+    /// Returns the environment of a Radiance HDR file in lat-long layout.
+    ///
+    /// # Errors
+    ///
+    /// [`EnvironmentError`] for content that is no usable picture.
+    pub fn from_hdr(bytes: &[u8]) -> Result<Self, EnvironmentError> {
+        let image = decode_hdr(bytes)?;
+        Self::new(image.width, image.height, image.pixels)
     }
 
     /// Radiance from a unit direction.
@@ -99,18 +110,14 @@ impl Environment {
         Rgb::from(self.texels[self.texel(direction)].map(f64::from))
     }
 
-    /// Density, per steradian, with which [`Environment::sample`] gives a direction of this radiance.
-    pub fn pdf(&self, radiance: Rgb) -> f64 {
-        radiance.luminance() / self.total
+    /// Returns the pdf, per steradian, of drawing a direction of this radiance.
+    pub fn pdf_of(&self, radiance: Rgb) -> f64 {
+        radiance.luminance() / self.distribution.total()
     }
 
-    /// A direction with pdf proportional to luminance, from two numbers in [0, 1).
-    #[expect(clippy::cast_precision_loss, reason = "image sides are far below 2⁵³")]
-    pub fn sample(&self, u: f64, v: f64) -> DVec3 {
-        let index = self.cumulative.partition_point(|&sum| sum <= u).min(self.texels.len() - 1);
-        let before = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
-        let width = self.cumulative[index] - before;
-        let across = if width > 0.0 { ((u - before) / width).clamp(0.0, 1.0) } else { 0.5 };
+    /// Returns a direction with pdf proportional to luminance, from two numbers in [0, 1).
+    pub fn draw(&self, u: f64, v: f64) -> DVec3 {
+        let (index, across) = self.distribution.sample(u);
         let (row, column) = (index / self.width, index % self.width);
         let rows = self.height as f64;
         let (top, bottom) = ((PI * row as f64 / rows).cos(), (PI * (row + 1) as f64 / rows).cos());
@@ -121,7 +128,6 @@ impl Environment {
     }
 
     #[expect(
-        clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "positions are clamped to the image"
@@ -150,8 +156,18 @@ impl Environment {
     }
 }
 
+impl DirectionSampler for Environment {
+    fn sample(&self, [u, v]: [f64; 2]) -> (DVec3, f64) {
+        let direction = self.draw(u, v);
+        (direction, self.pdf(direction))
+    }
+
+    fn pdf(&self, direction: DVec3) -> f64 {
+        self.pdf_of(self.radiance(direction))
+    }
+}
+
 /// Steradians of a texel in a row.
-#[expect(clippy::cast_precision_loss, reason = "image sides are far below 2⁵³")]
 fn solid_angle(row: usize, width: usize, height: usize) -> f64 {
     let edge = |row: usize| (PI * row as f64 / height as f64).cos();
     TAU / width as f64 * (edge(row) - edge(row + 1))
@@ -172,7 +188,7 @@ mod tests {
         let total: f64 = (0..32)
             .map(|index| {
                 let luminance = Rgb::from(environment.texels[index].map(f64::from)).luminance();
-                luminance / environment.total * solid_angle(index / 8, 8, 4)
+                luminance / environment.distribution.total() * solid_angle(index / 8, 8, 4)
             })
             .sum();
         assert!((total - 1.0).abs() < 1e-12, "{total}");
@@ -183,12 +199,11 @@ mod tests {
         let environment = uneven();
         let mut hits = [0_u32; 32];
         for i in 0..4096 {
-            let direction = environment.sample((f64::from(i) + 0.5) / 4096.0, 0.37);
+            let direction = environment.draw((f64::from(i) + 0.5) / 4096.0, 0.37);
             hits[environment.texel(direction)] += 1;
         }
         for (index, hit) in hits.iter().enumerate() {
-            let before = if index == 0 { 0.0 } else { environment.cumulative[index - 1] };
-            let share = environment.cumulative[index] - before;
+            let share = environment.distribution.share(index);
             assert!((f64::from(*hit) / 4096.0 - share).abs() < 1e-3, "texel {index}");
         }
     }
@@ -198,7 +213,7 @@ mod tests {
         let mut texels = vec![[0.0; 3]; 64];
         texels[4 * 8 + 4] = [1.0; 3];
         let environment = Environment::new(8, 8, texels).unwrap();
-        let direction = environment.sample(0.5, 0.5);
+        let direction = environment.draw(0.5, 0.5);
         assert!(direction.z < -0.9, "{direction}");
     }
 }

@@ -1,13 +1,14 @@
 //! Pictures of materials on meshes.
 
+use brdf_image::Film;
+use brdf_mesh::{Camera, Mesh, SurfacePoint};
 use brdf_model::Rgb;
+use brdf_param::Frame;
 use glam::{DVec2, DVec3};
 
-use crate::film::Film;
-use crate::shape::{Hit, wrapped};
-use crate::sphere::Frame;
-use crate::textured::{Stage, render_stage};
-use crate::{Camera, Light, Mesh, SpatiallyVarying, SurfacePoint, TexturePoint};
+use crate::light::Light;
+use crate::spatially_varying::{SpatiallyVarying, TexturePoint};
+use crate::stage::{Hit, Stage, render_stage, wrapped};
 
 /// The picture of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]

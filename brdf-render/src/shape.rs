@@ -4,11 +4,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use brdf_param::Frame;
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::sphere::{Frame, RADIUS};
-use crate::textured::Stage;
-use crate::{SpatiallyVarying, TexturePoint};
+use crate::spatially_varying::{SpatiallyVarying, TexturePoint};
+use crate::sphere::RADIUS;
+use crate::stage::{Hit, Stage, wrapped};
 
 /// What a material is laid on.
 ///
@@ -66,20 +67,6 @@ pub(crate) struct Scene<'a> {
     columns: usize,
     /// Rows of pixels: as many as the shape fills.
     rows: usize,
-}
-
-/// What a place in the picture shows, in axes of the camera.
-pub(crate) struct Hit<'a> {
-    /// East, north and normal of the surface: x, y and z of the material.
-    pub(crate) frame: Frame,
-    /// Unit direction to the camera.
-    pub(crate) to_camera: DVec3,
-    /// Place of the tile.
-    pub(crate) at: TexturePoint,
-    /// What it is made of.
-    pub(crate) material: &'a dyn SpatiallyVarying,
-    /// Where it is, in axes of the scene, a little above the surface.
-    pub(crate) position: DVec3,
 }
 
 /// A place of a surface, in axes of the shape.
@@ -229,13 +216,6 @@ fn footprint(frame: &Frame, direction: DVec3, side: f64, density: DVec2) -> f64 
         .fold(0.0, f64::max)
 }
 
-/// The part after the point, in [0, 1).
-pub(crate) fn wrapped(tiles: f64) -> f64 {
-    let part = tiles - tiles.floor();
-    // A tiny negative number leaves 1 after rounding.
-    if part < 1.0 { part } else { 0.0 }
-}
-
 /// A camera that looks along −z. The picture's places are in half widths of it, y up.
 struct Camera {
     /// Height of the eye over the origin; none for parallel rays.
@@ -287,7 +267,6 @@ impl Camera {
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
 fn to_f64(count: usize) -> f64 {
     count as f64
 }

@@ -7,7 +7,7 @@ use brdf_model::{Brdf, Rgb, cosine_hemisphere};
 use brdf_param::DirectionPair;
 use glam::DVec3;
 
-use crate::sphere::HalfLobe;
+use crate::half_lobe::HalfLobe;
 
 /// A place of a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,14 @@
 //! A sphere under a light.
 
+use brdf_image::{Film, Pixel};
 use brdf_model::{Brdf, DirectionBatch, Rgb, RgbBatch, ScrambledSobol, cosine_hemisphere};
-use brdf_param::{DirectionPair, spherical_direction};
+use brdf_param::{DirectionPair, Frame};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-use crate::film::{Film, Pixel};
-use crate::{Environment, Light};
+use crate::half_lobe::HalfLobe;
+use crate::light::{Environment, Light};
 
 /// The picture of a sphere: orthographic, filling the frame but for a small margin. The tangent of
 /// the surface runs along the meridians' east, so anisotropic materials are brushed around the
@@ -57,47 +58,29 @@ pub fn render_sphere(brdf: &dyn Brdf, light: &Light, view: &SphereView) -> Film 
 }
 
 /// The surface frame at a point of the visible hemisphere: east, north, normal.
-pub(crate) struct Frame {
-    pub(crate) tangent: DVec3,
-    pub(crate) bitangent: DVec3,
-    pub(crate) normal: DVec3,
-}
-
-impl Frame {
-    fn at(point: DVec2) -> Option<Self> {
-        let radius_sq = point.length_squared();
-        if radius_sq >= 1.0 {
-            return None;
-        }
-        let normal = point.extend((1.0 - radius_sq).sqrt());
-        let tangent = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
-        Some(Self { tangent, bitangent: normal.cross(tangent), normal })
+fn frame_at(point: DVec2) -> Option<Frame> {
+    let radius_sq = point.length_squared();
+    if radius_sq >= 1.0 {
+        return None;
     }
-
-    pub(crate) fn to_local(&self, w: DVec3) -> DVec3 {
-        DVec3::new(w.dot(self.tangent), w.dot(self.bitangent), w.dot(self.normal))
-    }
-
-    pub(crate) fn to_world(&self, w: DVec3) -> DVec3 {
-        w.x * self.tangent + w.y * self.bitangent + w.z * self.normal
-    }
+    let normal = point.extend((1.0 - radius_sq).sqrt());
+    let tangent = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
+    Some(Frame { tangent, bitangent: normal.cross(tangent), normal })
 }
 
 /// The point of the unit sphere's disc under a place in the picture, y up.
-#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
 fn disc_point(size: usize, column: f64, row: f64) -> DVec2 {
     let half = 0.5 * size as f64;
     DVec2::new(column - half, half - row) / (half * RADIUS)
 }
 
-#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
 fn directional(brdf: &dyn Brdf, light: DVec3, size: usize, column: usize, row: usize) -> Pixel {
     let (mut sum, mut hits, mut known) = (Rgb::BLACK, 0_u32, 0_u32);
     for step in 0..SUPERSAMPLING * SUPERSAMPLING {
         let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(SUPERSAMPLING);
         let x = column as f64 + offset(step % SUPERSAMPLING);
         let y = row as f64 + offset(step / SUPERSAMPLING);
-        let Some(frame) = Frame::at(disc_point(size, x, y)) else { continue };
+        let Some(frame) = frame_at(disc_point(size, x, y)) else { continue };
         hits += 1;
         let pair = DirectionPair::new(frame.to_local(light), frame.to_local(DVec3::Z));
         if pair.wi.z <= 0.0 {
@@ -131,7 +114,6 @@ struct Scratch {
 
 /// One third of the samples each: the environment's bright places, the cosine, and a lobe about the
 /// mirror direction; combined with the balance heuristic.
-#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
 fn lit_by(
     brdf: &dyn Brdf,
     environment: &Environment,
@@ -147,7 +129,7 @@ fn lit_by(
     }
     let centre = disc_point(size, column as f64 + 0.5, row as f64 + 0.5);
     let inside = centre * (0.9995 / centre.length().max(0.9995));
-    let Some(frame) = Frame::at(inside) else { return Pixel::Background };
+    let Some(frame) = frame_at(inside) else { return Pixel::Background };
     let wo = frame.to_local(DVec3::Z);
     let lobe = HalfLobe { wo };
     let sobol = ScrambledSobol::new((row * size + column) as u64);
@@ -160,7 +142,7 @@ fn lit_by(
     for index in 0..samples {
         let [u, v] = sobol.planar_point(index);
         let wi = match index % 3 {
-            0 => frame.to_local(environment.sample(u, v)),
+            0 => frame.to_local(environment.draw(u, v)),
             1 => cosine_hemisphere(u, v).0,
             _ => lobe.sample(u, v),
         };
@@ -169,7 +151,7 @@ fn lit_by(
         }
         let world = frame.to_world(wi);
         let radiance = environment.radiance(world);
-        let pdf = (environment.pdf(radiance) + wi.z / PI + lobe.pdf(wi)) / 3.0;
+        let pdf = (environment.pdf_of(radiance) + wi.z / PI + lobe.pdf(wi)) / 3.0;
         let pair = DirectionPair::new(wi, wo);
         if pdf > 0.0 {
             let weight = radiance * (wi.z / pdf);
@@ -186,38 +168,15 @@ fn lit_by(
     if unknown > MOST_UNKNOWN * arriving {
         return Pixel::NoData;
     }
-    brdf.eval_batch(&scratch.pairs, &mut scratch.values);
+    brdf.eval_batch(scratch.pairs.as_slices(), &mut scratch.values);
     let sum: Rgb =
         scratch.weights.iter().enumerate().map(|(i, &w)| scratch.values.get(i) * w).sum();
     Pixel::Radiance(sum / f64::from(samples), cover)
 }
 
 /// Share of a pixel that the sphere covers, from its distance to the rim.
-#[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
 fn coverage(size: usize, column: usize, row: usize) -> f64 {
     let radius = disc_point(size, column as f64 + 0.5, row as f64 + 0.5).length();
     let pixels_inside = (1.0 - radius) * 0.5 * size as f64 * RADIUS;
     (pixels_inside + 0.5).clamp(0.0, 1.0)
-}
-
-/// Directions mirrored about half vectors that cluster around the normal.
-pub(crate) struct HalfLobe {
-    pub(crate) wo: DVec3,
-}
-
-impl HalfLobe {
-    /// Exponent of the half vector's cosine: broad enough for satin, narrow enough for gloss.
-    const EXPONENT: f64 = 60.0;
-
-    pub(crate) fn sample(&self, u: f64, v: f64) -> DVec3 {
-        let cosine = u.powf(1.0 / (Self::EXPONENT + 1.0));
-        let half = spherical_direction(cosine.acos(), TAU * v);
-        2.0 * self.wo.dot(half) * half - self.wo
-    }
-
-    pub(crate) fn pdf(&self, wi: DVec3) -> f64 {
-        let half = (wi + self.wo).normalize_or(DVec3::Z);
-        let cosine = self.wo.dot(half).abs().max(1e-6);
-        (Self::EXPONENT + 1.0) / TAU * half.z.max(0.0).powf(Self::EXPONENT) / (4.0 * cosine)
-    }
 }

@@ -1,15 +1,11 @@
 //! Pictures of materials that vary over a tile.
 
-use std::f64::consts::PI;
+use brdf_image::Film;
 
-use brdf_model::{Rgb, ScrambledSobol, cosine_hemisphere};
-use glam::DVec3;
-use rayon::prelude::*;
-
-use crate::film::{Film, Pixel};
-use crate::shape::{Hit, Scene};
-use crate::sphere::SUPERSAMPLING;
-use crate::{Environment, Light, Shape, SpatiallyVarying};
+use crate::light::Light;
+use crate::shape::{Scene, Shape};
+use crate::spatially_varying::SpatiallyVarying;
+use crate::stage::render_stage;
 
 /// The picture of a tiled material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,9 +27,6 @@ impl Default for TexturedView {
     }
 }
 
-/// Points within a pixel.
-const POINTS: u32 = SUPERSAMPLING * SUPERSAMPLING;
-
 /// Renders a shape. Light from below a point's horizon gives nothing; nothing else casts shadows.
 ///
 /// Each pixel is the mean of 3 × 3 points, whose footprints are a third of the pixel's. The same
@@ -48,142 +41,6 @@ pub fn render_textured(
     let tilt = view.tilt.unwrap_or_else(|| shape.default_tilt());
     let scene = Scene::new(material, shape, tilt, view.tiles, view.size);
     render_stage(&scene, light, view.samples)
-}
-
-/// What a picture shows, and its camera.
-pub(crate) trait Stage: Sync {
-    /// Pixels in a row, and rows.
-    fn size(&self) -> (usize, usize);
-
-    /// What stands at a place, pixels from the top left, for samples `step` pixels apart.
-    fn hit(&self, column: f64, row: f64, step: f64) -> Option<Hit<'_>>;
-
-    /// Whether light arrives from a direction in axes of the camera.
-    fn is_lit(&self, hit: &Hit<'_>, direction: DVec3) -> bool;
-}
-
-pub(crate) fn render_stage(stage: &dyn Stage, light: &Light, samples: u32) -> Film {
-    let (columns, rows) = stage.size();
-    let pixels = (0..rows)
-        .into_par_iter()
-        .flat_map_iter(|row| {
-            let mut gather = Gather { stage, light, samples, lit: Lit::default() };
-            (0..columns).map(|column| gather.pixel(column, row)).collect::<Vec<_>>()
-        })
-        .collect();
-    Film::new(columns, pixels)
-}
-
-/// What one row of pixels shares.
-struct Gather<'a> {
-    stage: &'a dyn Stage,
-    light: &'a Light,
-    samples: u32,
-    lit: Lit,
-}
-
-/// Lights over one point of a surface.
-#[derive(Default)]
-struct Lit {
-    /// Directions to them, local.
-    directions: Vec<DVec3>,
-    /// Incident radiance over pdf, or irradiance.
-    weights: Vec<Rgb>,
-    values: Vec<Rgb>,
-}
-
-impl Gather<'_> {
-    #[expect(clippy::cast_precision_loss, reason = "pictures are far smaller than 2⁵³")]
-    fn pixel(&mut self, column: usize, row: usize) -> Pixel {
-        let stage = self.stage;
-        let sobol = ScrambledSobol::new((row * stage.size().0 + column) as u64);
-        let (mut sum, mut hits) = (Rgb::BLACK, 0_u32);
-        for point in 0..POINTS {
-            let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(SUPERSAMPLING);
-            let x = column as f64 + offset(point % SUPERSAMPLING);
-            let y = row as f64 + offset(point / SUPERSAMPLING);
-            let Some(hit) = stage.hit(x, y, 1.0 / f64::from(SUPERSAMPLING)) else { continue };
-            hits += 1;
-            sum = sum + self.radiance(&hit, &sobol, point);
-        }
-        if hits == 0 {
-            return Pixel::Background;
-        }
-        Pixel::Radiance(sum / f64::from(hits), f64::from(hits) / f64::from(POINTS))
-    }
-
-    /// Radiance towards the camera.
-    fn radiance(&mut self, hit: &Hit<'_>, sobol: &ScrambledSobol, point: u32) -> Rgb {
-        let wo = hit.frame.to_local(hit.to_camera);
-        self.lit.clear();
-        match self.light {
-            Light::Directional(light) => {
-                let wi = hit.frame.to_local(light.direction());
-                if wi.z > 0.0 && self.stage.is_lit(hit, light.direction()) {
-                    self.lit.push(wi, Rgb::splat(PI));
-                }
-            }
-            Light::Environment(environment) => self.draw(environment, hit, wo, sobol, point),
-        }
-        self.lit.reflected(hit, wo)
-    }
-
-    /// Draws lights, one third each by the environment's brightness, the cosine, and the material's
-    /// own choice, and weighs them by the balance heuristic. Each point of a pixel takes its own
-    /// stretch of the sequence.
-    fn draw(
-        &mut self,
-        environment: &Environment,
-        hit: &Hit<'_>,
-        wo: DVec3,
-        sobol: &ScrambledSobol,
-        point: u32,
-    ) {
-        // The pdf below is that of equal thirds.
-        let count = self.samples.div_ceil(POINTS).max(1).next_multiple_of(3);
-        for index in 0..count {
-            let [u, v] = sobol.planar_point(point * count + index);
-            let drawn = match index % 3 {
-                0 => Some(hit.frame.to_local(environment.sample(u, v))),
-                1 => Some(cosine_hemisphere(u, v).0),
-                _ => hit.material.sample(&hit.at, wo, u, v).map(|(wi, _)| wi),
-            };
-            let Some(wi) = drawn.filter(|wi| wi.z > 0.0) else { continue };
-            let world = hit.frame.to_world(wi);
-            if !self.stage.is_lit(hit, world) {
-                continue;
-            }
-            let radiance = environment.radiance(world);
-            let own = hit.material.pdf(&hit.at, wo, wi);
-            let pdf = (environment.pdf(radiance) + wi.z / PI + own) / 3.0;
-            self.lit.push(wi, radiance / (pdf * f64::from(count)));
-        }
-    }
-}
-
-impl Lit {
-    fn clear(&mut self) {
-        self.directions.clear();
-        self.weights.clear();
-    }
-
-    fn push(&mut self, wi: DVec3, weight: Rgb) {
-        if wi.z > 0.0 {
-            self.directions.push(wi);
-            self.weights.push(weight);
-        }
-    }
-
-    /// The sum of what the material makes of the lights.
-    fn reflected(&mut self, hit: &Hit<'_>, wo: DVec3) -> Rgb {
-        if self.directions.is_empty() {
-            return Rgb::BLACK;
-        }
-        self.values.clear();
-        self.values.resize(self.directions.len(), Rgb::BLACK);
-        hit.material.reflect(&hit.at, wo, &self.directions, &mut self.values);
-        self.values.iter().zip(&self.weights).map(|(&value, &weight)| value * weight).sum()
-    }
 }
 
 #[cfg(test)]

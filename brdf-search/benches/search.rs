@@ -6,9 +6,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use brdf_factor::{FactorError, FactorParams, NormalEquations, Problem};
+use brdf_job::Job;
 use brdf_model::{Channels, PairSampling, Preset, SampleSet};
 use brdf_param::{Projection, Space};
-use brdf_search::{Control, Family, JointParams, canonical_projections, search_joint};
+use brdf_search::{Family, JointParams, canonical_projections, search_joint};
 use criterion::{Criterion, criterion_group, criterion_main};
 use faer::MatMut;
 
@@ -68,7 +69,7 @@ fn searches(c: &mut Criterion) {
         let search = JointParams { terms, ..JointParams::default() };
         let family = Family::new(Space::Standard, true);
         group.bench_function(format!("{terms} terms"), |b| {
-            b.iter(|| search_joint(&problem, &family, &search, Control::default()));
+            b.iter(|| search_joint(&problem, &family, &search, &Job::new()));
         });
     }
     group.finish();

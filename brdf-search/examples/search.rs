@@ -4,9 +4,10 @@
 #![expect(clippy::print_stdout, reason = "an example prints")]
 
 use brdf_factor::{FactorParams, Problem, factorize};
+use brdf_job::Job;
 use brdf_model::{Channels, PairSampling, Preset, SampleSet, log_offsets, measure};
 use brdf_param::Space;
-use brdf_search::{Control, Family, JointParams, SearchError, search_joint};
+use brdf_search::{Family, JointParams, SearchError, search_joint};
 
 fn main() -> Result<(), SearchError> {
     let params = FactorParams { texture_size: 16, ..FactorParams::default() };
@@ -17,7 +18,7 @@ fn main() -> Result<(), SearchError> {
     let problem = Problem::new(&samples, &params)?;
     let family = Family::new(Space::Standard, true);
     let search = JointParams { terms: 3, ..JointParams::default() };
-    let found = search_joint(&problem, &family, &search, Control::default())?;
+    let found = search_joint(&problem, &family, &search, &Job::new())?;
 
     println!("{}: {} least-squares problems solved", material.name(), found.evaluations);
     for term in &found.terms {

@@ -3,11 +3,12 @@
 //! Source: Cole 2002, section 3.1.
 
 use brdf_factor::{FactorError, Problem};
+use brdf_job::Job;
 use brdf_param::Projection;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::control::{Control, Monitor};
+use crate::monitor::Monitor;
 use crate::random::StartRng;
 use crate::starts::canonical_projections;
 use crate::varpro::{Level, Solved};
@@ -18,6 +19,7 @@ use crate::{
 /// What a greedy search minimizes (Cole 2002, section 3.1.4). Textures are least-squares solutions in
 /// logarithms all the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Objective {
     /// Weighted mean square of log residuals, smoothing terms included.
@@ -81,7 +83,7 @@ pub fn search_greedy(
     problem: &Problem,
     family: &Family,
     params: &GreedyParams,
-    control: Control<'_>,
+    job: &Job<'_>,
 ) -> Result<SearchOutcome, SearchError> {
     family.check(problem, params.terms, params.texture_size)?;
     for (option, value) in [
@@ -96,7 +98,7 @@ pub fn search_greedy(
             });
         }
     }
-    let monitor = Monitor::new(control);
+    let monitor = Monitor::new(job, params.terms);
     let mut greedy = Greedy {
         // Factors whose textures may still change: fixed ones first, then searched ones.
         active: Family { fixed: family.fixed.clone(), ..*family },
@@ -112,7 +114,7 @@ pub fn search_greedy(
         projections.push(plane);
         terms.push(TermOutcome { projections, error });
     }
-    Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stopped() })
+    Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stop_cause() })
 }
 
 struct Greedy<'a, 'm> {
@@ -227,7 +229,6 @@ impl Greedy<'_, '_> {
                 };
             }
         }
-        #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
         let count = (self.problem.len() * self.problem.maps().len()) as f64;
         Ok(sum / count)
     }

@@ -10,10 +10,11 @@
 //! sequence (the same), planes of uniform distribution alone, ranking more sets at the medium level.
 
 use brdf_factor::Problem;
+use brdf_job::Job;
 use brdf_param::Projection;
 use rayon::prelude::*;
 
-use crate::control::{Control, Monitor};
+use crate::monitor::Monitor;
 use crate::starts::{canonical_projections, joint_starts, new_planes};
 use crate::varpro::{Candidate, Level, Limits, Solved};
 use crate::{Family, SearchError, SearchOutcome, TermOutcome};
@@ -101,7 +102,7 @@ pub fn search_joint(
     problem: &Problem,
     family: &Family,
     params: &JointParams,
-    control: Control<'_>,
+    job: &Job<'_>,
 ) -> Result<SearchOutcome, SearchError> {
     family.check(problem, params.terms, params.texture_size)?;
     if params.restarts == 0 {
@@ -111,12 +112,12 @@ pub fn search_joint(
             expected: "1 or more",
         });
     }
-    let monitor = Monitor::new(control);
+    let monitor = Monitor::new(job, params.terms);
     // Computed once, so that the levels below take theirs from here.
     problem.points(family.space);
     let beams = coarse_beams(problem, family, params, &monitor)?;
     let terms = refined(problem, family, params, &beams, &monitor)?;
-    Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stopped() })
+    Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stop_cause() })
 }
 
 /// The best sets of every number of terms at the coarse level.

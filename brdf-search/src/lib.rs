@@ -1,11 +1,11 @@
 //! Search for the projections of a homomorphic factorization.
 
-mod control;
 mod error;
 mod family;
 mod greedy;
 mod joint;
 mod line_search;
+mod monitor;
 mod outcome;
 mod powell;
 mod random;
@@ -14,7 +14,6 @@ mod starts;
 mod tangent;
 mod varpro;
 
-pub use control::{Control, Progress};
 pub use error::SearchError;
 pub use family::{Family, MAX_TERMS};
 pub use greedy::{GreedyParams, Objective, search_greedy};

@@ -38,7 +38,6 @@ pub fn minimize_on_line(
     params: &LineParams,
 ) -> LinePoint {
     let probes = params.probes.max(3);
-    #[expect(clippy::cast_precision_loss, reason = "a handful of probes")]
     let step = period / probes as f64;
     let start = LinePoint { t: 0.0, value: value_at_zero };
     let mut lowest = start;

@@ -1,5 +1,6 @@
 //! What a search found.
 
+use brdf_job::StopCause;
 use brdf_param::Projection;
 
 /// The best model of a number of terms.
@@ -18,6 +19,6 @@ pub struct SearchOutcome {
     pub terms: Vec<TermOutcome>,
     /// Linear least-squares problems solved.
     pub evaluations: usize,
-    /// The search was stopped before its end.
-    pub stopped: bool,
+    /// Why the search ended before its end, if it did; the models are the best found so far.
+    pub stopped: Option<StopCause>,
 }

@@ -21,7 +21,7 @@ use glam::DVec4;
 use rayon::prelude::*;
 
 use crate::Family;
-use crate::control::Monitor;
+use crate::monitor::Monitor;
 use crate::tangent::{DIRECTIONS, Tangent, extent_gradient};
 
 /// Samples and texture size at which sets of projections are compared, and the factors that stand
@@ -125,7 +125,6 @@ impl<'a> Level<'a> {
         };
         let weighted_targets: Vec<Vec<f64>> = problem.targets().iter().map(weighted).collect();
         let energy = |(y, wy): (&Vec<f64>, &Vec<f64>)| dot(y, wy);
-        #[expect(clippy::cast_precision_loss, reason = "one or three channels")]
         let channels = problem.targets().len() as f64;
         Ok(Self {
             problem,
@@ -511,7 +510,6 @@ mod tests {
     use brdf_param::Bound;
 
     use super::*;
-    use crate::control::Control;
     use crate::random::StartRng;
 
     /// The oracle moves each projection a little and solves again. Derivatives are those of one piece:
@@ -520,7 +518,8 @@ mod tests {
     #[test]
     fn derivatives_agree_with_finite_differences() {
         let sampling = PairSampling { count: 3_000, seed: 1, theta_max: 1.3 };
-        let monitor = Monitor::new(Control::default());
+        let job = brdf_job::Job::new();
+        let monitor = Monitor::new(&job, 1);
         let mut rng = StartRng::new(1, 0, 0);
         for (preset, channels) in [(0, Channels::Luminance), (3, Channels::Rgb)] {
             let samples = SampleSet::draw(&Preset::ALL[preset].brdf(), &sampling, channels);
@@ -572,7 +571,8 @@ mod tests {
         let problem = Problem::new(&samples, &FactorParams::default()).unwrap();
         let family = Family::new(Space::HalfDifference, true);
         let level = Level::new(&problem, 8, &family).unwrap();
-        let monitor = Monitor::new(Control::default());
+        let job = brdf_job::Job::new();
+        let monitor = Monitor::new(&job, 1);
         let mut rng = StartRng::new(2, 0, 0);
         let [a, b, c] = [rng.projection(), rng.projection(), rng.projection()];
         let known = level.solve(&[a, b], &monitor).unwrap();

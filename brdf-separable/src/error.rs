@@ -97,4 +97,7 @@ pub enum SeparableError {
         /// Its size.
         size: usize,
     },
+    /// The work was stopped.
+    #[error(transparent)]
+    Stopped(#[from] brdf_job::Stopped),
 }

@@ -1,5 +1,6 @@
 //! From a matrix to a model: one decomposition of several, truncated.
 
+use brdf_job::Job;
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,7 @@ use crate::{
 
 /// Which decomposition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Decomposition {
     /// Truncated singular value decomposition: the least squared error of its rank.
@@ -31,6 +33,7 @@ pub enum Decomposition {
 
 /// How eigenpairs are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum EigenSolver {
     /// Block Krylov, stopped by residuals.
@@ -61,6 +64,7 @@ impl Default for SeparableParams {
 
 /// What was found of one channel, or of all together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChannelSpectrum {
     /// Singular values, eigenvalues with sign, or the norms of non-negative terms, of the weighted
     /// matrix.
@@ -93,10 +97,11 @@ pub struct SeparableFit {
 ///
 /// [`SeparableError::Rank`]; [`SeparableError::NotSymmetric`] for eigenpairs of a layout whose
 /// sides differ, or of all channels together; [`SeparableError::Negative`];
-/// [`SeparableError::Dense`].
+/// [`SeparableError::Dense`]; [`SeparableError::Stopped`].
 pub fn factorize_matrix(
     matrix: &BrdfMatrix,
     params: &SeparableParams,
+    job: &Job<'_>,
 ) -> Result<SeparableFit, SeparableError> {
     let channels = matrix.maps().len();
     let is_eigen = matches!(params.decomposition, Decomposition::Eigen(_));
@@ -112,11 +117,19 @@ pub fn factorize_matrix(
             expected: "one channel at a time (the SVD takes them together)",
         });
     }
+    job.begin("decomposing", channels as u64);
     let scaled: Vec<Mat<f64>> = (0..channels).map(|c| matrix.scaled(c)).collect();
     let parts: Vec<Part> = if params.joint_rgb && channels > 1 {
-        vec![decompose(side_by_side(&scaled).as_ref(), params)?]
+        vec![decompose(side_by_side(&scaled).as_ref(), params, job)?]
     } else {
-        scaled.par_iter().map(|m| decompose(m.as_ref(), params)).collect::<Result<_, _>>()?
+        scaled
+            .par_iter()
+            .map(|m| {
+                let part = decompose(m.as_ref(), params, job);
+                job.advance(1);
+                part
+            })
+            .collect::<Result<_, _>>()?
     };
     let rank = parts.iter().map(|part| part.first.ncols()).max().unwrap_or(0).max(1);
     let model = assemble(matrix, &parts, rank, is_eigen)?;
@@ -146,7 +159,12 @@ fn side_by_side(channels: &[Mat<f64>]) -> Mat<f64> {
     })
 }
 
-fn decompose(matrix: MatRef<'_, f64>, params: &SeparableParams) -> Result<Part, SeparableError> {
+fn decompose(
+    matrix: MatRef<'_, f64>,
+    params: &SeparableParams,
+    job: &Job<'_>,
+) -> Result<Part, SeparableError> {
+    job.check()?;
     let krylov =
         KrylovParams { rank: params.rank, tolerance: params.tolerance, ..KrylovParams::default() };
     match params.decomposition {
@@ -173,7 +191,7 @@ fn decompose(matrix: MatRef<'_, f64>, params: &SeparableParams) -> Result<Part, 
         }
         Decomposition::Nmf => {
             let options = NonnegativeParams { rank: params.rank, ..NonnegativeParams::default() };
-            let (first, second, sweeps) = nonnegative_factors(matrix, &options)?;
+            let (first, second, sweeps) = nonnegative_factors(matrix, &options, job)?;
             Ok(Part::of_sides(first, second, sweeps < options.sweeps))
         }
         Decomposition::Normalized => {

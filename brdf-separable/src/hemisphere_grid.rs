@@ -11,6 +11,7 @@ use crate::SeparableError;
 
 /// A grid of texels over the hemisphere, or over polar angles alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "chart", rename_all = "kebab-case")]
 pub enum HemisphereGrid {
     /// `resolution`² texels over the square of a map, at (i + ½) / resolution. Of a disc only those
@@ -114,7 +115,6 @@ impl HemisphereGrid {
             .collect()
     }
 
-    #[expect(clippy::cast_precision_loss, reason = "grid indices are small")]
     fn node(&self, column: usize, row: usize) -> Option<(DVec3, f64)> {
         match *self {
             Self::Plane { map, resolution } => {
@@ -254,7 +254,6 @@ impl Span {
 
     /// Around `at` in [0, 1], where texel i stands at (i + shift) / count.
     #[expect(
-        clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "positions are brought into the grid first"

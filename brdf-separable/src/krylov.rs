@@ -362,7 +362,6 @@ pub(crate) fn random_block(size: usize, width: usize, rng: &mut SplitMix64) -> M
     let mut block = Mat::zeros(size, width);
     for column in 0..width {
         for value in block.col_mut(column).iter_mut() {
-            #[expect(clippy::cast_precision_loss, reason = "53 bits fit a f64 exactly")]
             let unit = (rng.next_u64() >> 11) as f64 / 9_007_199_254_740_992.0;
             *value = unit - 0.5;
         }

@@ -13,6 +13,7 @@ use crate::{HemisphereGrid, SeparableError};
 /// turned so that the first point has azimuth 0, and the second chart holds the other two
 /// coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Layout {
     /// What makes two points of a pair.
     pub parametrization: Parametrization,

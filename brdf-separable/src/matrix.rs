@@ -13,6 +13,7 @@ use crate::{Layout, SeparableBrdf, SeparableError, ValueTransform};
 /// What stands in cells without data: pairs below the horizon or beyond the grazing limit, holes of
 /// a measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Fill {
     /// The value of the nearest pair with data, found by pulling directions back to the grazing
@@ -55,6 +56,7 @@ impl Default for MatrixParams {
 
 /// What became of the cells of a matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CellCounts {
     /// Cells in all.
     pub cells: usize,
@@ -89,6 +91,7 @@ pub struct BrdfMatrix {
 
 /// Errors of a rank over the cells that have data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RankError {
     /// Number of terms.
     pub rank: usize,

@@ -6,6 +6,7 @@
 //! Hierarchical ALS Algorithms for Nonnegative Matrix Factorization", 2012. Start: C. Boutsidis and E. Gallopoulos, "SVD
 //! based initialization", 2008, whose zeros are lifted so that no entry is stuck.
 
+use brdf_job::Job;
 use faer::{Mat, MatRef};
 
 use crate::product::{product, times, transposed_product};
@@ -41,10 +42,12 @@ const LIFT: f64 = 0.05;
 ///
 /// # Errors
 ///
-/// [`SeparableError::Negative`] for a matrix with negative entries; [`SeparableError::Rank`].
+/// [`SeparableError::Negative`] for a matrix with negative entries; [`SeparableError::Rank`];
+/// [`SeparableError::Stopped`].
 pub fn nonnegative_factors(
     matrix: MatRef<'_, f64>,
     params: &NonnegativeParams,
+    job: &Job<'_>,
 ) -> Result<(Mat<f64>, Mat<f64>, usize), SeparableError> {
     let (rows, columns) = (matrix.nrows(), matrix.ncols());
     let entries = || (0..columns).flat_map(|c| matrix.col(c).iter());
@@ -61,6 +64,7 @@ pub fn nonnegative_factors(
     let mut last = f64::INFINITY;
     let mut sweeps = 0;
     while sweeps < params.sweeps {
+        job.check()?;
         let image = transposed_product(matrix, w.as_ref());
         update(&mut h, &image, &times(w.transpose(), w.as_ref()));
         let image = product(matrix, h.as_ref());
@@ -131,7 +135,6 @@ fn start(matrix: MatRef<'_, f64>, rank: usize) -> Result<(Mat<f64>, Mat<f64>), S
         let scale = (pairs.values[term] * size).sqrt();
         let fill = |side: &mut Mat<f64>, values: &[f64]| {
             let length = norm(values).max(f64::MIN_POSITIVE);
-            #[expect(clippy::cast_precision_loss, reason = "sides are far below 2⁵³")]
             let lift = LIFT * values.iter().sum::<f64>() / values.len() as f64;
             for (row, value) in values.iter().enumerate() {
                 side[(row, term)] = scale / length * value.max(lift);

@@ -9,7 +9,6 @@ use faer::MatRef;
 pub(crate) fn normalized_factors(matrix: MatRef<'_, f64>) -> (Vec<f64>, Vec<f64>) {
     let rows: Vec<f64> = (0..matrix.nrows()).map(|row| matrix.row(row).norm_l2()).collect();
     let lit = rows.iter().filter(|norm| **norm > 0.0).count();
-    #[expect(clippy::cast_precision_loss, reason = "sides are far below 2⁵³")]
     let share = 1.0 / lit.max(1) as f64;
     let columns = (0..matrix.ncols())
         .map(|column| {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The map from reflectance to what a matrix holds, for one channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "map", rename_all = "kebab-case")]
 pub enum ValueTransform {
     /// f.

@@ -105,14 +105,12 @@ impl Grid {
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "grid indices are small")]
 fn centre(index: usize, size: usize) -> f64 {
     (index as f64 + 0.5) / size as f64
 }
 
 /// The two cell centres around a share of an axis, with their weights.
 #[expect(
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "positions are clamped to the grid"
@@ -140,7 +138,6 @@ impl Means {
             sum.0 += value;
             sum.1 += 1.0;
         }
-        #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
         let overall = values.iter().sum::<f64>() / values.len().max(1) as f64;
         Self { bins, sums, overall }
     }
@@ -151,12 +148,7 @@ impl Means {
     }
 }
 
-#[expect(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "shares lie in [0, 1]"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "shares lie in [0, 1]")]
 fn bin(point: [f64; 2], bins: usize) -> usize {
     let [i, j] = point.map(|share| ((share * bins as f64) as usize).min(bins - 1));
     j * bins + i

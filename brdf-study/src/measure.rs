@@ -1,5 +1,6 @@
 //! The figures of one material under every parametrization.
 
+use brdf_job::Job;
 use brdf_model::{Brdf, Channels, PairSampling, SampleSet};
 use brdf_param::{DirectionPair, Parametrization};
 use brdf_separable::SeparableError;
@@ -36,6 +37,7 @@ const RANKS: [usize; 4] = [1, 2, 4, 8];
 
 /// The best function of two of a parametrization's three isotropic coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bivariate {
     /// The two coordinates.
     pub coordinates: [&'static str; 2],
@@ -46,6 +48,7 @@ pub struct Bivariate {
 /// Figures of one material under one parametrization. Errors are of y = ln(1 + f cosθi) with f the
 /// luminance, root mean square over the same pairs for all parametrizations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParametrizationRow {
     /// Which.
     pub parametrization: Parametrization,
@@ -70,7 +73,9 @@ pub struct ParametrizationRow {
 pub fn study_material(
     brdf: &dyn Brdf,
     params: &StudyParams,
+    job: &Job<'_>,
 ) -> Result<Vec<ParametrizationRow>, SeparableError> {
+    job.begin("studying", STUDIED.len() as u64);
     let pairs = |seed| {
         let sampling = PairSampling { count: params.pairs, seed, theta_max: params.theta_max };
         let drawn = SampleSet::draw(brdf, &sampling, Channels::Luminance);
@@ -88,7 +93,12 @@ pub fn study_material(
     }
     STUDIED
         .par_iter()
-        .map(|&parametrization| row(brdf, parametrization, params, &means, &judged))
+        .map(|&parametrization| {
+            job.check()?;
+            let row = row(brdf, parametrization, params, &means, &judged);
+            job.advance(1);
+            row
+        })
         .collect()
 }
 
@@ -125,7 +135,6 @@ impl Judged {
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
 fn count(length: usize) -> f64 {
     length.max(1) as f64
 }

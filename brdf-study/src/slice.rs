@@ -53,7 +53,6 @@ impl Slice {
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "grid indices are small")]
 fn centre(index: usize, size: usize) -> f64 {
     (index as f64 + 0.5) / size as f64
 }
@@ -94,6 +93,7 @@ pub(crate) fn share_of(parametrization: Parametrization, point: glam::DVec3) -> 
 /// How isolines run: shares of the squared gradient of ln(1 + 100 f), over cells whose neighbours
 /// have data. Coordinates are scaled to [0, 1], the azimuth to half turns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SliceAlignment {
     /// Σ min(gu², gv²) / Σ (gu² + gv²), within slices: 0 where every isoline runs along an axis, ½
     /// where all are diagonal.
@@ -145,7 +145,6 @@ pub fn alignment(brdf: &dyn Brdf, parametrization: Parametrization) -> SliceAlig
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "grid indices are small")]
 fn unit(index: usize, count: usize) -> f64 {
     index as f64 / count as f64
 }

@@ -17,7 +17,6 @@ pub(crate) fn indirect_irradiance(
     ray_count: u32,
 ) -> Vec<[Lanes; 3]> {
     let rays: Vec<Place> = (0..ray_count).map(|ray| cosine_direction(ray, ray_count)).collect();
-    #[expect(clippy::cast_precision_loss, reason = "at most a few thousand rays")]
     let share = 1.0 / ray_count as f32;
     (0..field.width * field.height)
         .into_par_iter()

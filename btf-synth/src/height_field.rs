@@ -52,7 +52,6 @@ pub(crate) struct HeightField {
 }
 
 impl HeightField {
-    #[expect(clippy::cast_precision_loss, reason = "sides are at most 2^10")]
     pub(crate) fn new(maps: &SurfaceMaps) -> Self {
         let (width, height) = (maps.width(), maps.height());
         let texels_per_unit = width as f32;
@@ -85,7 +84,6 @@ impl HeightField {
     }
 
     /// The place of a texel's centre, on the surface.
-    #[expect(clippy::cast_precision_loss, reason = "sides are at most 2^10")]
     pub(crate) fn centre(&self, texel: usize) -> Place {
         [(texel % self.width) as f32, (texel / self.width) as f32, self.at(texel)]
     }
@@ -115,7 +113,6 @@ impl HeightField {
     /// The cell of a place on the tile, and where in the cell it is.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 and above")]
-    #[expect(clippy::cast_precision_loss, reason = "sides are at most 2^10")]
     fn cell(&self, x: f32, y: f32) -> ([usize; 2], [f32; 2]) {
         let (column, row) = (x as i32, y as i32);
         ([column as usize, row as usize], [x - column as f32, y - row as f32])

@@ -145,7 +145,6 @@ impl BoxFilter {
             let weights = (first..=last)
                 .map(|texel| {
                     let overlap = end.min((texel + 1) * to) - start.max(texel * to);
-                    #[expect(clippy::cast_precision_loss, reason = "sides are at most 2^14")]
                     let weight = overlap as f64 / from as f64;
                     weight
                 })

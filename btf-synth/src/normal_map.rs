@@ -38,7 +38,6 @@ pub fn heights_from_normals(normals: &[Map; 3]) -> Result<Map, SynthError> {
     transform(&mut heights, width, height, Direction::Inverse);
     // Transforms there and back multiply by the number of texels; slopes are per texel of a tile
     // that is `width` texels wide.
-    #[expect(clippy::cast_precision_loss, reason = "sides are at most 2^14")]
     let scale = 1.0 / ((width * height) as f64 * width as f64);
     #[expect(clippy::cast_possible_truncation, reason = "heights are stored as f32")]
     let values = heights.iter().map(|z| (z.re * scale) as f32).collect();
@@ -85,7 +84,6 @@ fn integrate(
 
 /// Angular frequency of a bin in radians per texel, from −π to π.
 fn frequency(bin: usize, len: usize) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "sides are at most 2^14")]
     let [bin, len] = [bin as f64, len as f64];
     let signed = if 2.0 * bin > len { bin - len } else { bin };
     std::f64::consts::TAU * signed / len
@@ -132,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "small")]
+    #[expect(clippy::cast_possible_truncation, reason = "small")]
     fn a_smooth_periodic_height_comes_back() {
         // An oblong tile, square texels: y runs to 3/4.
         let (width, height) = (32, 24);

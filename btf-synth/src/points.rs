@@ -5,7 +5,6 @@
 ///
 /// Source: J. M. Hammersley, "Monte Carlo Methods for Solving Multivariable Problems", Annals of the
 /// New York Academy of Sciences 86, 1960.
-#[expect(clippy::cast_precision_loss, reason = "a few thousand points")]
 pub(crate) fn hammersley(index: u32, count: u32) -> [f32; 2] {
     let along = (index as f32 + 0.5) / count as f32;
     // The bits of the index mirrored at the binary point, then moved to the middle of the interval

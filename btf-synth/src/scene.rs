@@ -163,7 +163,6 @@ impl<'a> SurfaceScene<'a> {
         let mut sums = [[0.0; LANES]; 3];
         shade(self.reflectance, view, &points, &mut sums);
         gathered.add_to(&mut sums, &self.indirect);
-        #[expect(clippy::cast_precision_loss, reason = "at most 4096 samples")]
         let share = 1.0 / count as f32;
         sums.iter_mut().flatten().for_each(|value| *value *= share);
         sums
@@ -171,7 +170,6 @@ impl<'a> SurfaceScene<'a> {
 }
 
 /// Where on the plane of the mean height a sample stands: within half a texel of the centre.
-#[expect(clippy::cast_precision_loss, reason = "sides are at most 2^10")]
 fn position([column, row]: [usize; 2], sample: u32, count: u32) -> [f32; 2] {
     let [along, across] = hammersley(sample, count);
     [column as f32 + along - 0.5, row as f32 + across - 0.5]

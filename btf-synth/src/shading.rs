@@ -247,7 +247,7 @@ fn add_material(brdf: &dyn Brdf, view: &ViewLights<'_>, point: &Point<'_>, sums:
         .iter()
         .collect();
     let mut values = RgbBatch::default();
-    brdf.eval_batch(&pairs, &mut values);
+    brdf.eval_batch(pairs.as_slices(), &mut values);
     let albedo = point.surfel.albedo;
     let channels = [&values.r, &values.g, &values.b];
     for (channel, sum) in sums.iter_mut().enumerate() {

@@ -115,7 +115,6 @@ fn check(
     Ok(())
 }
 
-#[expect(clippy::cast_precision_loss, reason = "at most 2^20 texels")]
 #[expect(clippy::cast_possible_truncation, reason = "the mean of f32 values, taken off them")]
 fn mean(values: &[f32]) -> f32 {
     (values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64) as f32

@@ -10,8 +10,8 @@
 use std::hint::black_box;
 
 use btf_vq::{
-    AngularGrid, Chroma, Codebooks, Decoder, Encoding, IndexCodebook, LightQuery, Material,
-    SampledLight, ScaleBits, Taps, TextureInfo, VqModel,
+    AngularGrid, Chroma, Codebooks, CompressedTexture, Decoder, Encoding, IndexCodebook,
+    LightQuery, SampledLight, ScaleBits, Taps, TextureInfo, VqModel,
 };
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
@@ -72,7 +72,7 @@ fn wool(noise: &mut Noise) -> VqModel {
         cosine_included: true,
         levels: 1,
     };
-    let mut materials = [Material { info, levels }];
+    let mut materials = [CompressedTexture { info, levels }];
     books.normalize(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::paper(Encoding::Srgb)).expect("sound books")
 }

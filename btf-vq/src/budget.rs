@@ -1,5 +1,7 @@
 //! Sizes of the refined books for a number of bytes.
 
+use brdf_job::Job;
+
 use crate::bits::{index_bits, packed_len};
 use crate::model::{Rows, ScaleBits, VALUE_BITS};
 use crate::projected_texels::ProjectedTexels;
@@ -39,7 +41,7 @@ const TRIAL: usize = 8192;
 ///
 /// # Errors
 ///
-/// [`VqError::Budget`] where P6 alone takes more.
+/// [`VqError::Budget`] where P6 alone takes more; [`VqError::Stopped`].
 ///
 /// # Panics
 ///
@@ -48,6 +50,7 @@ pub fn choose_sizes(
     surveys: &[ProjectedTexels],
     bits: &ScaleBits,
     bytes: u64,
+    job: &Job<'_>,
 ) -> Result<CodebookSizes, VqError> {
     let ProjectedTexels { grid, encoding, .. } = surveys[0];
     let texels = surveys.iter().map(ProjectedTexels::texels).sum();
@@ -60,18 +63,18 @@ pub fn choose_sizes(
     if texels <= 2 * TRIAL {
         return Ok(sizes[0]);
     }
-    #[expect(clippy::cast_precision_loss, reason = "counts of texels")]
     let share = TRIAL as f64 / texels as f64;
     let part: Vec<ProjectedTexels> = surveys.iter().map(|s| s.every(texels / TRIAL)).collect();
-    let trials = SPLITS.iter().zip(&sizes).map(|(split, sizes)| {
+    let jobs = job.split_into(&[1.0; SPLITS.len()]);
+    let trials = SPLITS.iter().zip(&sizes).zip(&jobs).map(|((split, sizes), trial)| {
         let empty = Codebooks::new(grid, encoding, Chroma::Relative);
-        let encoded = encode_refined(&part, &sizes.times(share), empty);
+        let encoded = encode_refined(&part, &sizes.times(share), empty, trial)?;
         let Rows { m, p3, .. } = Rows::of(&encoded.books);
-        #[expect(clippy::cast_precision_loss, reason = "rows of books")]
         let different = m as f64 / (p3 * grid.thetas).max(1) as f64;
-        (split, different, encoded.errors.total)
+        Ok((split, different, encoded.errors.total))
     });
-    match trials.min_by(|a, b| a.2.total_cmp(&b.2)) {
+    let trials = trials.collect::<Result<Vec<_>, VqError>>()?;
+    match trials.into_iter().min_by(|a, b| a.2.total_cmp(&b.2)) {
         Some((split, different, _)) => room.sizes(split, different),
         None => Ok(sizes[0]),
     }
@@ -99,7 +102,6 @@ impl Room<'_> {
             return Err(VqError::Budget { bytes: self.bytes, what, least });
         }
         // Codebooks that hold every slice already leave their room to others.
-        #[expect(clippy::cast_precision_loss, reason = "bytes of a file")]
         let (mut low, mut high) = (0.0, 64.0 * self.bytes as f64);
         for _ in 0..50 {
             let middle = 0.5 * (low + high);
@@ -109,12 +111,7 @@ impl Room<'_> {
         Ok(self.sizes_in(low, split, different))
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "rows of books"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of books")]
     fn sizes_in(&self, room: f64, split: &[f64; 4], different: f64) -> CodebookSizes {
         let (grid, texels) = (self.grid, self.texels);
         let rows = |share: f64, row_bits: f64, most: usize| {
@@ -138,12 +135,7 @@ impl Room<'_> {
 
 impl CodebookSizes {
     /// Rows of all books, with a row of M for this share of the views of P3.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "rows of books"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of books")]
     pub fn rows(&self, grid: &AngularGrid, different: f64) -> Rows {
         let Self { p4, p3, p2, p1, i2, i1, c } = *self;
         let m = (different * (p3 * grid.thetas) as f64) as usize;
@@ -152,12 +144,7 @@ impl CodebookSizes {
 
     /// Codebooks of a share of these sizes; as many colours, so that as many pairs of P2 and I2 differ among
     /// so many views.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "rows of books"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of books")]
     pub fn times(&self, share: f64) -> Self {
         let part = |rows: usize| ((rows as f64 * share) as usize).max(4);
         Self {
@@ -212,7 +199,6 @@ mod tests {
         for (name, encoding, reported, [p1, p2, c, i1, i2, m, p3, p4]) in TABLE_3 {
             let rows = Rows { p1, p2, c, i1, i2, m, p3, p4 };
             let bytes = stream_bytes(&grid, &rows, &ScaleBits::paper(encoding), 256 * 256);
-            #[expect(clippy::cast_precision_loss, reason = "a ratio of file sizes")]
             let ratio = bytes as f64 / reported as f64;
             assert!((ratio - 1.0).abs() < 0.04, "{name}: {bytes} bytes of {reported}");
         }

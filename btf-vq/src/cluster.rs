@@ -155,7 +155,6 @@ fn spread(weights: &[f32], count: usize) -> Vec<usize> {
     if count == weights.len() || total <= 0.0 {
         return (0..count).collect();
     }
-    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ codes")]
     let step = total / count as f64;
     let (mut sum, mut next) = (0.0, 0.5 * step);
     let mut places = Vec::with_capacity(count);

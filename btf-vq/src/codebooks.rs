@@ -10,6 +10,7 @@ use crate::{AngularGrid, Encoding, VqError};
 
 /// How chrominance goes with luminance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Chroma {
     /// C holds chrominance itself, as in the paper.
@@ -101,6 +102,7 @@ pub struct Codebooks {
 
 /// One texture of a compressed BTF.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TextureInfo {
     /// What it is called.
     pub name: String,
@@ -141,7 +143,7 @@ impl TextureInfo {
 
 /// One texture over the shared books.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Material {
+pub struct CompressedTexture {
     /// What it is.
     pub info: TextureInfo,
     /// P6: into P4, one entry a texel; the finest level first, each next one half as large.
@@ -252,7 +254,7 @@ impl Codebooks {
 
     /// Moves factors upwards until every slice has a unit integral over light directions (counted in
     /// nodes) or sum over views, and P6 carries the rest. Rows of zeros stay zeros.
-    pub fn normalize(&mut self, materials: &mut [Material]) {
+    pub fn normalize(&mut self, materials: &mut [CompressedTexture]) {
         let (alphas, betas) = (self.grid.alphas, self.grid.betas);
         let sums = self.p1.values.chunks_exact_mut(betas).map(|row| {
             let sum = row.iter().zip(AngularGrid::trapezoid(betas)).map(|(v, w)| v * w).sum();

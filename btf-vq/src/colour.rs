@@ -65,16 +65,6 @@ pub fn from_luma_chroma(encoding: Encoding, value: [f32; 3]) -> [f32; 3] {
     }
 }
 
-/// Linear value of a display-referred one (IEC 61966-2-1).
-pub fn srgb_to_linear(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-}
-
-/// The inverse of [`srgb_to_linear`].
-pub fn linear_to_srgb(v: f32) -> f32 {
-    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,12 +2,12 @@
 
 use std::array::from_fn;
 
+use brdf_model::LinearDistributions;
 use glam::DVec3;
 
 use crate::bits::{PackedEntries, index_bits};
 use crate::codebooks::level_size;
 use crate::colour::from_luma_chroma;
-use crate::sample::Cumulative;
 use crate::{AngularGrid, Chroma, Encoding, LightTaps, Pair, Quantizer, ViewTaps, VqModel};
 
 /// Where a pair of directions lies in the grid: made once, used for many texels.
@@ -153,9 +153,9 @@ pub struct Decoder<'a> {
     p4: ScaledBook<'a>,
     levels: Vec<Texture<'a>>,
     /// Integrals of rows of P1 over β up to each node, in nodes.
-    p1_below: Cumulative,
+    p1_below: LinearDistributions,
     /// Integrals of rows of P2 over all β and over α up to each node, in nodes.
-    p2_below: Cumulative,
+    p2_below: LinearDistributions,
     /// The last of these: of the whole slice.
     p2_mass: Vec<f32>,
     /// Rectangles between nodes of the light grid.
@@ -200,14 +200,14 @@ impl VqModel {
             p3: ScaledBook::new(self.stream(6), grid.thetas, rows.m, &header.p3),
             p4: ScaledBook::new(self.stream(7), grid.phis, rows.p3, &header.p4),
             levels: levels.collect(),
-            p1_below: Cumulative::default(),
-            p2_below: Cumulative::default(),
+            p1_below: LinearDistributions::default(),
+            p2_below: LinearDistributions::default(),
             p2_mass: Vec::new(),
             cells_per_steradian: grid.cell_solid_angle().recip(),
         };
         decoder.p1_below =
-            Cumulative::new(grid.betas, rows.p1, |row, at| decoder.p1_value(row, at));
-        decoder.p2_below = Cumulative::new(grid.alphas, rows.p2, |row, at| {
+            LinearDistributions::new(grid.betas, rows.p1, |row, at| decoder.p1_value(row, at));
+        decoder.p2_below = LinearDistributions::new(grid.alphas, rows.p2, |row, at| {
             let (p1, scale) = decoder.p2.get(row, at);
             scale * decoder.p1_below.total(p1)
         });

@@ -102,4 +102,19 @@ pub enum VqError {
         /// What would do.
         expected: &'static str,
     },
+    /// A texture of this name is there already.
+    #[error("there is a texture {name} already; give the new one another name")]
+    NameTaken {
+        /// The name.
+        name: String,
+    },
+    /// A texture that the model does not hold.
+    #[error("no texture {name}")]
+    NoTexture {
+        /// Its name.
+        name: String,
+    },
+    /// The work was stopped.
+    #[error(transparent)]
+    Stopped(#[from] brdf_job::Stopped),
 }

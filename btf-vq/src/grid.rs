@@ -14,6 +14,7 @@ use crate::VqError;
 
 /// How a light direction becomes (α, sin β), relative to the azimuth of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightParametrization {
     /// sin β = sin θi sin(φi − φv), α = atan2(sin θi cos(φi − φv), cos θi): the mirror direction lies
@@ -30,6 +31,7 @@ pub enum LightParametrization {
 /// α runs over its range in equal steps, sin β over [−1, 1] (so that dω = dα d(sin β)), θv over
 /// [0, π/2] with both ends, φv over the circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AngularGrid {
     /// Slices of the light hemisphere, at least 2.
@@ -66,7 +68,6 @@ impl Pair {
     /// The nodes around a position on `count` nodes from 0 to `count` − 1, which it is clamped to.
     #[inline]
     fn around(position: f32, count: usize) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let clamped = position.clamp(0.0, (count - 1) as f32);
         let (low, upper) = parts(clamped, count - 2);
         Self { at: [low, low + 1], weight: [1.0 - upper, upper] }
@@ -75,7 +76,6 @@ impl Pair {
     /// The same on a circle of `count` nodes, of a position less than a turn from 0.
     #[inline]
     fn around_circle(position: f32, count: usize) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let turned = if position < 0.0 { position + count as f32 } else { position };
         let (low, upper) = parts(turned, count - 1);
         let high = if low + 1 < count { low + 1 } else { 0 };
@@ -92,7 +92,6 @@ impl Pair {
 /// The node below a position, 0 and above, that is at most `last`, and how far beyond it lies.
 #[inline]
 #[expect(
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a position between nodes"
@@ -180,7 +179,6 @@ impl AngularGrid {
     }
 
     /// θv and φv of a view in radians; `view` counts `[phi][theta]`.
-    #[expect(clippy::cast_precision_loss, reason = "grids are small")]
     pub fn view_angles(&self, view: usize) -> (f64, f64) {
         let (phi, theta) = (view / self.thetas, view % self.thetas);
         let theta = FRAC_PI_2 * theta as f64 / (self.thetas - 1) as f64;
@@ -196,7 +194,6 @@ impl AngularGrid {
     }
 
     /// Solid angle, in sr, of the rectangle between neighbouring nodes of α and sin β.
-    #[expect(clippy::cast_precision_loss, reason = "grids are small")]
     pub fn cell_solid_angle(&self) -> f64 {
         // Eq. 3 takes two directions for one.
         let sides = PI / self.alpha_range().1;
@@ -209,7 +206,6 @@ impl AngularGrid {
     #[inline]
     pub fn directions(&self, alpha: f64, beta: f64, azimuth: DVec2) -> [DVec3; 2] {
         let (lowest, range) = self.alpha_range();
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let steps = ((self.alphas - 1) as f64, (self.betas - 1) as f64);
         // α never leaves the half circle on which its cosine is positive.
         let sin_alpha = (lowest + range * alpha / steps.0).sin();
@@ -226,7 +222,6 @@ impl AngularGrid {
     }
 
     /// The directions of a node.
-    #[expect(clippy::cast_precision_loss, reason = "grids are small")]
     pub fn node_directions(&self, alpha: usize, beta: usize, azimuth: DVec2) -> [DVec3; 2] {
         self.directions(alpha as f64, beta as f64, azimuth)
     }
@@ -234,7 +229,7 @@ impl AngularGrid {
     /// Where a unit view direction of the upper hemisphere lies, and the unit vector towards it in the
     /// plane.
     #[inline]
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "weights")]
+    #[expect(clippy::cast_possible_truncation, reason = "weights")]
     pub fn view_taps(&self, wo: DVec3) -> (ViewTaps, DVec2) {
         let planar = wo.truncate();
         let radius = planar.length();
@@ -251,7 +246,7 @@ impl AngularGrid {
 
     /// Where a unit light direction of the upper hemisphere lies for a view towards `azimuth`.
     #[inline]
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "weights")]
+    #[expect(clippy::cast_possible_truncation, reason = "weights")]
     pub fn light_taps(&self, wi: DVec3, azimuth: DVec2) -> LightTaps {
         let planar = wi.truncate();
         let (along, across) = (azimuth.dot(planar), azimuth.perp_dot(planar));

@@ -27,13 +27,18 @@
 
 pub mod baselines;
 mod bits;
+mod brdfs;
 mod budget;
 mod cluster;
 mod codebooks;
 pub mod colour;
+mod compress;
 mod decode;
+mod draws;
 mod error;
+mod fidelity;
 mod grid;
+mod inputs;
 mod lpca;
 mod mip;
 mod model;
@@ -41,6 +46,7 @@ mod nearest;
 mod paper;
 mod projected_texels;
 mod quantize;
+mod rate_study;
 mod rbf;
 mod reader;
 mod refined;
@@ -50,15 +56,26 @@ mod source;
 mod ssim;
 mod subspace;
 mod texels;
+mod textured;
 
 pub use bits::index_bits;
+pub use brdfs::{RAW_BRDF_BYTES, RadianceBrdf, Tabulated, tabulate};
 pub use budget::{choose_sizes, stream_bytes};
 pub use codebooks::{
-    Chroma, Codebooks, IndexCodebook, Material, TextureInfo, ValueBook, level_size,
+    Chroma, Codebooks, CompressedTexture, IndexCodebook, TextureInfo, ValueBook, level_size,
+};
+pub use compress::{
+    Base, BtfRecord, CompressSettings, Compressed, FileBytes, Mode, ResamplingCounts, Similarity,
+    compress,
 };
 pub use decode::{Decoder, Taps};
+pub use draws::{DrawParams, DrawnLight, draw_lights};
 pub use error::VqError;
+pub use fidelity::{
+    BrdfFidelity, Fidelity, compare_brdfs, compare_texture, image_taps, resampling_floor,
+};
 pub use grid::{AngularGrid, LightParametrization, LightTaps, Pair, ViewTaps};
+pub use inputs::{GridChoice, TextureInputs};
 pub use lpca::{LocalPca, LpcaDecoder, LpcaHeader, LpcaModel, Steps, fit_lpca, lpca_bytes};
 pub use mip::Mipped;
 pub use model::{Header, Rows, ScaleBits, SharedBytes, TextureHeader, VqModel};
@@ -66,9 +83,11 @@ pub use nearest::{CodeSet, Match};
 pub use paper::{Measure, PaperParams, encode_paper};
 pub use projected_texels::{ProjectedTexels, ProjectionParams};
 pub use quantize::{Quantizer, Spacing};
+pub use rate_study::{RateMethod, RateRow, RateSettings, study_rates};
 pub use reader::{BtfModel, BtfReader};
 pub use refined::{CodebookSizes, Encoded, LevelErrors, encode_refined};
 pub use resample::{Resampler, TEXEL_BLOCK};
 pub use sample::{LightQuery, LightSampler, SampledLight};
 pub use source::{BtfLayout, BtfSource, BtfView, Encoding, SourceError};
 pub use texels::{NodeTable, TexelSet};
+pub use textured::TexturedBtf;

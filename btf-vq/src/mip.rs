@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use crate::codebooks::level_size;
-use crate::colour::{linear_to_srgb, srgb_to_linear};
 use crate::{BtfLayout, BtfSource, Encoding, SourceError};
+use brdf_model::{linear_to_srgb, srgb_to_linear};
 
 /// A source at a coarser level; level 1 has half as many texels in a row.
 #[derive(Clone)]
@@ -49,7 +49,6 @@ impl BtfSource for Mipped<'_> {
             let (x, y) = (texel % width, texel / width);
             let columns = x * fine.width / width..(x + 1) * fine.width / width;
             let rows = y * fine.height / height..(y + 1) * fine.height / height;
-            #[expect(clippy::cast_precision_loss, reason = "texels under one of a level")]
             let share = 1.0 / (columns.len() * rows.len()) as f32;
             let mut sums = vec![[0.0_f32; 3]; images];
             for y in rows {

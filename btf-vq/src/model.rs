@@ -7,12 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::bits::{MAX_ENTRY_BITS, PackedEntries, index_bits, pack, packed_len};
 use crate::{
-    AngularGrid, Chroma, Codebooks, Encoding, IndexCodebook, Material, Quantizer, TextureInfo,
-    ValueBook, VqError,
+    AngularGrid, Chroma, Codebooks, CompressedTexture, Encoding, IndexCodebook, Quantizer,
+    TextureInfo, ValueBook, VqError,
 };
 
 /// Rows of the shared books.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "the names are those of the books")]
 pub struct Rows {
@@ -44,6 +45,7 @@ impl Rows {
 
 /// A texture over codebooks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TextureHeader {
     /// What it is.
     #[serde(flatten)]
@@ -54,6 +56,7 @@ pub struct TextureHeader {
 
 /// What the streams mean.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Header {
     /// Lengths of rows and meaning of nodes.
     pub grid: AngularGrid,
@@ -286,7 +289,7 @@ impl VqModel {
     /// [`VqError::Header`] where a book is empty or an entry would need more than 56 bits.
     pub fn pack(
         books: &Codebooks,
-        materials: &[Material],
+        materials: &[CompressedTexture],
         bits: ScaleBits,
     ) -> Result<Self, VqError> {
         let quantize = |width: u32, values: &[f32]| {
@@ -348,7 +351,7 @@ impl VqModel {
     }
 
     /// The books and textures with the values that their bits hold.
-    pub fn unpack(&self) -> (Codebooks, Vec<Material>) {
+    pub fn unpack(&self) -> (Codebooks, Vec<CompressedTexture>) {
         let Header { grid, rows, .. } = self.header;
         let mut books = Codebooks::new(grid, self.header.encoding, self.header.chroma);
         let header = &self.header;
@@ -377,7 +380,7 @@ impl VqModel {
             });
             let levels: Vec<IndexCodebook> = levels.collect();
             stream += material.info.levels;
-            Material { info: material.info.clone(), levels }
+            CompressedTexture { info: material.info.clone(), levels }
         });
         let materials = materials.collect();
         (books, materials)
@@ -420,11 +423,15 @@ fn low_bits(entry: u64, bits: u32) -> u32 {
     (entry & ((1_u64 << bits) - 1)) as u32
 }
 
-fn all_scales(material: &Material) -> Vec<f32> {
+fn all_scales(material: &CompressedTexture) -> Vec<f32> {
     material.levels.iter().flat_map(|level| level.scale.iter().copied()).collect()
 }
 
-fn pack_streams(header: &Header, books: &Codebooks, materials: &[Material]) -> Vec<Vec<u8>> {
+fn pack_streams(
+    header: &Header,
+    books: &Codebooks,
+    materials: &[CompressedTexture],
+) -> Vec<Vec<u8>> {
     let rows = &header.rows;
     let values = |book: &ValueBook, q: &dyn Fn(usize) -> Quantizer| {
         let codes = book.values.iter().enumerate().map(|(at, v)| u64::from(q(at).encode(*v)));

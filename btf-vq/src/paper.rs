@@ -5,6 +5,7 @@
 //! the nearest code is the one of least squared error after the best scale of its luminance; with
 //! SSIM, the most similar of the few nearest.
 
+use brdf_job::Job;
 use rayon::prelude::*;
 
 use crate::nearest::{CodeSet, Match, dot};
@@ -125,12 +126,12 @@ struct Encoder {
 }
 
 /// Compresses sets of texels as the paper does, into books that may hold others already, whose rows stay
-/// as they are; returns the books and, for each set, a row of P6 a texel. `progress` hears how many
-/// texels are done, those seen first twice.
+/// as they are; returns the books and, for each set, a row of P6 a texel. Work is counted in
+/// texels, those seen first twice.
 ///
 /// # Errors
 ///
-/// [`VqError::Source`], [`VqError::NotFinite`].
+/// [`VqError::Source`], [`VqError::NotFinite`]; [`VqError::Stopped`].
 ///
 /// # Panics
 ///
@@ -139,7 +140,7 @@ pub fn encode_paper(
     sets: &[TexelSet<'_>],
     params: &PaperParams,
     books: Codebooks,
-    progress: &(dyn Fn(usize) + Sync),
+    job: &Job<'_>,
 ) -> Result<(Codebooks, Vec<IndexCodebook>), VqError> {
     for set in sets {
         assert!(
@@ -149,6 +150,7 @@ pub fn encode_paper(
         );
     }
     let total: usize = sets.iter().map(TexelSet::len).sum();
+    job.begin("building codebooks", 2 * total as u64);
     let mut encoder = Encoder::new(params, total, books);
     for (pass, (share, factor)) in PASSES.iter().enumerate() {
         encoder.measure = params.measure.times(*factor);
@@ -159,14 +161,15 @@ pub fn encode_paper(
             let seen = &order[skip.min(order.len())..(skip + count).min(order.len())];
             for texels in seen.chunks(crate::TEXEL_BLOCK) {
                 encoder.learn(&set.gather(texels)?);
-                progress(texels.len());
+                job.check()?;
+                job.advance(texels.len() as u64);
             }
         }
     }
     encoder.measure = params.measure;
     let mut textures = Vec::new();
     for set in sets {
-        textures.push(encoder.place(set, progress)?);
+        textures.push(encoder.place(set, job)?);
     }
     Ok((encoder.books, textures))
 }
@@ -175,7 +178,6 @@ pub fn encode_paper(
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
     reason = "shares of at most 2²⁸ texels"
 )]
 fn part(texels: usize, share: f64) -> usize {
@@ -183,12 +185,7 @@ fn part(texels: usize, share: f64) -> usize {
 }
 
 /// All texels in the order of the Halton sequence in bases 2 and 3, without repeats.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "places in an image"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in an image")]
 fn halton_texels(width: usize, height: usize) -> Vec<usize> {
     let wanted = part(width * height, PASSES.iter().map(|p| p.0).sum()) + PASSES.len();
     let mut seen = vec![false; width * height];
@@ -418,7 +415,6 @@ impl Encoder {
     }
 
     /// How far a code is from a slice.
-    #[expect(clippy::cast_precision_loss, reason = "slices are short")]
     fn error(&self, level: Level, found: &Match, luma: &[f32], chroma: &[f32]) -> f32 {
         let square = (dot(luma, luma) + dot(chroma, chroma) - found.score).max(0.0);
         match (self.measure, level) {
@@ -566,20 +562,19 @@ impl Encoder {
     }
 
     /// A row of P6 for each texel of a set; the books stay as they are.
-    fn place(
-        &self,
-        set: &TexelSet<'_>,
-        progress: &(dyn Fn(usize) + Sync),
-    ) -> Result<IndexCodebook, VqError> {
+    fn place(&self, set: &TexelSet<'_>, job: &Job<'_>) -> Result<IndexCodebook, VqError> {
         let few = match self.measure {
             Measure::Mse(_) => 1,
             Measure::Ssim(_) => FEW,
         };
         let nodes = self.grid.node_count();
         let (blocks, _) = set.map_blocks(0..set.len(), |texels, values| {
+            if job.is_stopped() {
+                return Vec::new();
+            }
             let slices = self.slices(values);
             let nearest = self.p4.set.nearest_few(&slices.luma, &slices.chroma, few);
-            progress(texels.len());
+            job.advance(texels.len() as u64);
             let entries = nearest.iter().enumerate().map(|(at, nearest)| {
                 let luma = &slices.luma[at * nodes..][..nodes];
                 let chroma = &slices.chroma[2 * at * nodes..][..2 * nodes];
@@ -591,6 +586,7 @@ impl Encoder {
             });
             entries.collect::<Vec<Entry>>()
         })?;
+        job.check()?;
         let mut texture = IndexCodebook { len: 1, ..IndexCodebook::default() };
         extend(&mut texture, &blocks.concat());
         Ok(texture)

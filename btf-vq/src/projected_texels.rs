@@ -4,6 +4,7 @@
 //! sample, and every texel is kept as its coefficients there. Squared errors of coefficients are
 //! those of images, as far as the subspace reaches.
 
+use brdf_job::Job;
 use rayon::prelude::*;
 
 use crate::colour::RGB_WEIGHTS;
@@ -48,11 +49,12 @@ impl Default for ProjectionParams {
 }
 
 impl ProjectedTexels {
-    /// Surveys sets of one grid and encoding. `progress` hears how many texels are done, out of all.
+    /// Surveys sets of one grid and encoding. Work is counted in texels.
     ///
     /// # Errors
     ///
-    /// [`VqError::Source`], [`VqError::NotFinite`]; [`VqError::Mixed`] where grids or encodings differ.
+    /// [`VqError::Source`], [`VqError::NotFinite`]; [`VqError::Mixed`] where grids or encodings differ;
+    /// [`VqError::Stopped`].
     ///
     /// # Panics
     ///
@@ -60,10 +62,11 @@ impl ProjectedTexels {
     pub fn of(
         sets: &[TexelSet<'_>],
         params: ProjectionParams,
-        progress: &(dyn Fn(usize) + Sync),
+        job: &Job<'_>,
     ) -> Result<Self, VqError> {
         TexelSet::check_alike(sets)?;
         let first = &sets[0];
+        job.begin("resampling", sets.iter().map(TexelSet::len).sum::<usize>() as u64);
         let (grid, encoding) = (*first.grid(), first.encoding());
         let root_weights = root_weights(sets, encoding);
         let prepare = |values: &mut [f32]| prepare(values, encoding, &root_weights);
@@ -73,14 +76,18 @@ impl ProjectedTexels {
         let (mut coefficients, mut energies, mut clamped) = (Vec::new(), Vec::new(), 0);
         for set in sets {
             let (blocks, negative) = set.map_blocks(0..set.len(), |texels, values| {
+                if job.is_stopped() {
+                    return (Vec::new(), Vec::new());
+                }
                 prepare(values);
                 let mut projected = vec![0.0; texels.len() * space.dims];
                 space.project_block(values, &mut projected);
                 let energies: Vec<f32> =
                     values.chunks_exact(space.len).map(|v| dot(v, v)).collect();
-                progress(texels.len());
+                job.advance(texels.len() as u64);
                 (projected, energies)
             })?;
+            job.check()?;
             clamped += negative;
             for (projected, energy) in blocks {
                 coefficients.extend(projected);
@@ -115,7 +122,6 @@ impl ProjectedTexels {
     }
 
     /// How much each texel counts: all alike, or, of linear radiance, dark ones as much as bright ones.
-    #[expect(clippy::cast_precision_loss, reason = "a mean")]
     pub(crate) fn texel_weights(&self) -> Vec<f32> {
         let mean = self.energies.iter().sum::<f32>() / self.texels().max(1) as f32;
         match self.encoding {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// How codes are spaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Spacing {
     /// Equal steps from the least to the largest value.
@@ -14,10 +15,12 @@ pub enum Spacing {
 
 /// Codes of a few bits for the values of a book.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Quantizer {
     /// Bits of a code, 1 to 16.
     pub bits: u32,
     /// How they are spaced.
+    #[serde(rename = "law")] // its name in files
     pub spacing: Spacing,
     /// Least value (above 0, of a logarithmic one).
     pub min: f32,
@@ -65,7 +68,6 @@ impl Quantizer {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "clamped to codes of at most 16 bits"
     )]
     pub fn encode(&self, value: f32) -> u32 {
@@ -83,7 +85,6 @@ impl Quantizer {
     }
 
     /// The value of a code.
-    #[expect(clippy::cast_precision_loss, reason = "codes have at most 16 bits")]
     pub fn decode(&self, code: u32) -> f32 {
         match self.spacing {
             Spacing::Linear => {

@@ -1,8 +1,9 @@
 //! Compressed BTFs of either kind, read alike.
 
+use brdf_model::srgb_to_linear;
 use glam::DVec3;
+use rayon::prelude::*;
 
-use crate::colour::srgb_to_linear;
 use crate::sample::LightSampler;
 use crate::{AngularGrid, Decoder, Encoding, LpcaDecoder, LpcaModel, Taps, TextureInfo, VqModel};
 
@@ -95,6 +96,19 @@ impl BtfReader<'_> {
         }
     }
 
+    /// Returns the texel (row-major) of a level at tile coordinates, u to the right and v upwards; the tile repeats.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "reduced to the tile"
+    )]
+    pub fn texel_at(&self, level: usize, u: f64, v: f64) -> usize {
+        let (width, height) = self.size(level);
+        let x = (u.rem_euclid(1.0) * width as f64) as usize;
+        let y = ((1.0 - v.rem_euclid(1.0)) * height as f64) as usize;
+        y.min(height - 1) * width + x.min(width - 1)
+    }
+
     /// Where a pair of unit directions of the upper hemisphere lies.
     pub fn taps(&self, wi: DVec3, wo: DVec3) -> Taps {
         Taps::new(self.grid(), wi, wo)
@@ -135,6 +149,27 @@ impl BtfReader<'_> {
             Self::Vq(decoder) => decoder.image(level, taps, out),
             Self::Lpca(decoder) => decoder.image(level, taps, out),
         }
+    }
+
+    /// Writes linear radiance of a whole level for one view under each of some lights, `[light][texel][rgb]`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such level or `out` is of another size.
+    pub fn linear_images(&self, level: usize, wo: DVec3, lights: &[DVec3], out: &mut [f32]) {
+        let (width, height) = self.size(level);
+        let texels = width * height;
+        assert_eq!(out.len(), 3 * texels * lights.len(), "room for all images");
+        out.par_chunks_exact_mut(3 * texels).zip(lights).for_each(|(out, wi)| {
+            let mut image = vec![[0.0; 3]; texels];
+            self.image(level, &self.taps(*wi, wo), &mut image);
+            for (target, value) in out.as_chunks_mut::<3>().0.iter_mut().zip(image) {
+                *target = value.map(|v| match self.encoding() {
+                    Encoding::Srgb => srgb_to_linear(v.max(0.0)),
+                    Encoding::Linear => v.max(0.0),
+                });
+            }
+        });
     }
 
     /// Directions to lights for a texel of a level and a unit view direction.

@@ -5,10 +5,12 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use brdf_job::Job;
 use faer::MatRef;
 use rayon::prelude::*;
 
 use crate::cluster::{Clusters, cluster_shapes, cluster_values};
+use crate::error::VqError;
 use crate::nearest::{CodeSet, Match, dot};
 use crate::projected_texels::{ProjectedTexels, channel_weights};
 use crate::subspace::{Subspace, energies};
@@ -74,6 +76,10 @@ const CHUNK: usize = 64;
 /// Textures have rows of P4 of their own, in proportion to their texels, and share all books below, so
 /// that time grows with the number of textures and not with its square.
 ///
+/// # Errors
+///
+/// [`VqError::Stopped`].
+///
 /// # Panics
 ///
 /// If there are no surveys, or the books are of another grid or encoding, or hold chrominance itself.
@@ -81,7 +87,9 @@ pub fn encode_refined(
     surveys: &[ProjectedTexels],
     sizes: &CodebookSizes,
     mut books: Codebooks,
-) -> Encoded {
+    job: &Job<'_>,
+) -> Result<Encoded, VqError> {
+    job.begin("clustering texels", 4);
     for survey in surveys {
         assert!(
             (books.grid, books.encoding, books.chroma)
@@ -94,16 +102,24 @@ pub fn encode_refined(
     let exemplars: Vec<Exemplars<'_>> = surveys
         .iter()
         .map(|survey| {
+            job.check()?;
             let count = (sizes.p4 * survey.texels()).div_ceil(texels.max(1));
-            Exemplars::find(survey, count, &books)
+            Ok(Exemplars::find(survey, count, &books))
         })
-        .collect();
+        .collect::<Result<_, VqError>>()?;
+    job.advance(1);
+    job.rename("clustering slices");
     let p4 = exemplars.iter().map(|e| e.distortion).sum();
     let mut errors = LevelErrors { p4, ..LevelErrors::default() };
     let slices = ThreeD::cluster(&exemplars, &metric, sizes.p3, &books);
+    job.check()?;
+    job.advance(1);
     errors.p3 = slices.distortion;
     let two = TwoD::cluster(&metric, &slices, sizes, &books, &mut errors);
 
+    job.check()?;
+    job.advance(1);
+    job.rename("building codebooks");
     two.build(&mut books);
     slices.build(&metric, &two, &mut books);
     let old = books.p4.rows();
@@ -119,7 +135,8 @@ pub fn encode_refined(
         index.extend(matches.iter().map(|m| narrow(m.code)));
         scale.extend(matches.iter().map(|m| m.gain));
     }
-    Encoded { books, index, scale, errors }
+    job.advance(1);
+    Ok(Encoded { books, index, scale, errors })
 }
 
 /// Centres of the texels of a survey, which will have rows of P4.
@@ -198,7 +215,6 @@ struct Metric {
 }
 
 impl Metric {
-    #[expect(clippy::cast_precision_loss, reason = "grids are small")]
     fn of(surveys: &[ProjectedTexels]) -> Self {
         let (grid, encoding) = (surveys[0].grid, surveys[0].encoding);
         let (nodes, slice) = (grid.node_count(), grid.slice_len());
@@ -530,7 +546,6 @@ fn one_d_luma(
     (root1, slices, usages)
 }
 
-#[expect(clippy::cast_precision_loss, reason = "grids are small")]
 fn across_mean(across: &[f32]) -> f32 {
     across.iter().sum::<f32>() / across.len() as f32
 }

@@ -276,7 +276,6 @@ impl Resampler {
                 }
             }
         }
-        #[expect(clippy::cast_precision_loss, reason = "grids are small")]
         let scale = weights.len() as f32 / images;
         weights.iter_mut().for_each(|w| *w = FLOOR + (1.0 - FLOOR) * scale * *w);
         weights

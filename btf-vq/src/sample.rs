@@ -6,47 +6,11 @@
 
 use std::f64::consts::PI;
 
+use brdf_model::{DirectionSampler, LinearDistributions, linear_part, linear_segment, share_of};
 use glam::{DVec2, DVec3};
 
 use crate::decode::ABREAST;
 use crate::{AngularGrid, Decoder, LpcaDecoder, Pair, ViewTaps};
-
-/// Integrals of piecewise linear densities from the first node up to each, counted in nodes; the last
-/// is the whole.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Cumulative {
-    nodes: usize,
-    sums: Vec<f32>,
-}
-
-impl Cumulative {
-    /// Of densities whose values at the nodes are `value(row, node)`.
-    pub(crate) fn new(nodes: usize, rows: usize, value: impl Fn(usize, usize) -> f32) -> Self {
-        let mut sums = Vec::with_capacity(rows * nodes);
-        for row in 0..rows {
-            let (mut sum, mut low) = (0.0, value(row, 0));
-            sums.push(sum);
-            for at in 1..nodes {
-                let high = value(row, at);
-                sum += 0.5 * (low + high);
-                sums.push(sum);
-                low = high;
-            }
-        }
-        Self { nodes, sums }
-    }
-
-    #[inline]
-    pub(crate) fn row(&self, row: usize) -> &[f32] {
-        &self.sums[row * self.nodes..][..self.nodes]
-    }
-
-    /// The integral of a whole row.
-    #[inline]
-    pub(crate) fn total(&self, row: usize) -> f32 {
-        self.row(row)[self.nodes - 1]
-    }
-}
 
 /// Directions to lights for one texel and view.
 #[derive(Clone, Debug)]
@@ -57,16 +21,16 @@ pub struct LightSampler {
     /// Luminance between the view's nodes, `[alpha][beta]`, 0 and above.
     luminance: Vec<f32>,
     /// Integrals of each α node's slice over β.
-    lines: Cumulative,
+    lines: LinearDistributions,
     /// Of these over α: one row.
-    slice: Cumulative,
+    slice: LinearDistributions,
 }
 
 impl LightSampler {
     fn new(grid: AngularGrid, azimuth: DVec2, luminance: Vec<f32>) -> Self {
         let value = |alpha: usize, beta| luminance[alpha * grid.betas + beta];
-        let lines = Cumulative::new(grid.betas, grid.alphas, value);
-        let slice = Cumulative::new(grid.alphas, 1, |_, alpha| lines.total(alpha));
+        let lines = LinearDistributions::new(grid.betas, grid.alphas, value);
+        let slice = LinearDistributions::new(grid.alphas, 1, |_, alpha| lines.total(alpha));
         Self { grid, azimuth, luminance, lines, slice }
     }
 
@@ -75,10 +39,12 @@ impl LightSampler {
         let total = self.slice.total(0);
         total.is_nan() || total <= 0.0
     }
+}
 
-    /// A unit direction to the light and its pdf per steradian, from two numbers in [0, 1);
+impl DirectionSampler for LightSampler {
+    /// Returns a unit direction to the light and its pdf per steradian, from two numbers in [0, 1);
     /// distributed by the cosine where the texel is black.
-    pub fn sample(&self, u1: f64, u2: f64) -> (DVec3, f64) {
+    fn sample(&self, [u1, u2]: [f64; 2]) -> (DVec3, f64) {
         if self.is_dark() {
             let radius = u1.sqrt();
             let (sin, cos) = (2.0 * PI * u2).sin_cos();
@@ -86,9 +52,9 @@ impl LightSampler {
             return (DVec3::new(radius * cos, radius * sin, z), z / PI);
         }
         let total = self.slice.total(0);
-        let (alpha, left) = segment(self.slice.row(0), share(u1, total));
+        let (alpha, left) = linear_segment(self.slice.row(0), share_of(u1, total));
         let lines = [alpha, alpha + 1];
-        let across = part(lines.map(|line| self.lines.total(line)), left);
+        let across = linear_part(lines.map(|line| self.lines.total(line)), left);
         let weights = [1.0 - across, across];
         let (beta, left) = segment_between(lines.map(|line| self.lines.row(line)), weights, u2);
         let value = |beta| -> f32 {
@@ -96,15 +62,15 @@ impl LightSampler {
             weights[0] * values[0] + weights[1] * values[1]
         };
         let ends = [value(beta), value(beta + 1)];
-        let along = part(ends, left);
+        let along = linear_part(ends, left);
         let luminance = (1.0 - along) * ends[0] + along * ends[1];
         let wi = direction(&self.grid, [alpha, beta], [across, along], self.azimuth, u2);
         (wi, f64::from(luminance / total) / self.grid.cell_solid_angle())
     }
 
-    /// The pdf, per steradian, with which [`LightSampler::sample`] gives a unit direction of the
+    /// Returns the pdf, per steradian, with which `sample` gives a unit direction of the
     /// upper hemisphere.
-    pub fn pdf(&self, wi: DVec3) -> f64 {
+    fn pdf(&self, wi: DVec3) -> f64 {
         if wi.z < 0.0 {
             return 0.0;
         }
@@ -122,52 +88,21 @@ impl LightSampler {
     }
 }
 
-/// Part of an integral below which a number in [0, 1) lies; always less than the whole.
-#[inline]
-#[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
-fn share(u: f64, total: f32) -> f32 {
-    (u as f32).min(1.0 - f32::EPSILON) * total
-}
-
-/// The node below the place where an integral reaches a value, and what is missing there. Counted
-/// without branches, which could not be foreseen.
-#[inline]
-fn segment(below: &[f32], wanted: f32) -> (usize, f32) {
-    let inner = &below[1..below.len() - 1];
-    let at = inner.iter().map(|sum| usize::from(*sum <= wanted)).sum();
-    (at, wanted - below[at])
-}
-
-/// The same in the sum of two weighted densities.
+/// As [`linear_segment`] in the sum of two weighted densities.
 #[inline]
 fn segment_between(below: [&[f32]; 2], weights: [f32; 2], u: f64) -> (usize, f32) {
     let last = below[0].len() - 1;
     let (first, second) = (&below[0][..=last], &below[1][..=last]);
     let sum = |at: usize| weights[0] * first[at] + weights[1] * second[at];
-    let wanted = share(u, sum(last));
+    let wanted = share_of(u, sum(last));
     let at = (1..last).map(|at| usize::from(sum(at) <= wanted)).sum();
     (at, wanted - sum(at))
-}
-
-/// Part of the way between two nodes where the integral of the line between their values reaches
-/// `wanted`.
-#[inline]
-fn part([low, high]: [f32; 2], wanted: f32) -> f32 {
-    // ½ (high − low) t² + low t = wanted, in a form that loses no digits.
-    let root = (low * low + 2.0 * (high - low) * wanted).max(0.0).sqrt();
-    let t = if low + root > 0.0 { 2.0 * wanted / (low + root) } else { 0.5 };
-    t.clamp(0.0, 1.0)
 }
 
 /// The unit direction of a place in the grid: the nodes below and the parts beyond them. Digits of `u`
 /// that the inversion does not use choose between two directions that share a place.
 #[inline]
-#[expect(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "grids are small"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "grids are small")]
 fn direction(
     grid: &AngularGrid,
     [alpha, beta]: [usize; 2],
@@ -294,7 +229,7 @@ impl Decoder<'_> {
                 let wi = direction(self.grid(), nodes_below, parts, taps[q].1, u[1]);
                 SampledLight { wi, pdf }
             } else {
-                let (wi, pdf) = self.light_sampler(0, texel, wo).sample(u[0], u[1]);
+                let (wi, pdf) = self.light_sampler(0, texel, wo).sample(u);
                 SampledLight { wi, pdf }
             };
         }
@@ -305,16 +240,16 @@ impl Decoder<'_> {
     /// and β.
     #[inline]
     fn place_in_slice(&self, p2: usize, u1: f64, u2: f64) -> ([usize; 2], [f32; 2]) {
-        let wanted = share(u1, self.slice_mass(p2));
-        let (alpha, left) = segment(self.p2_below(p2), wanted);
+        let wanted = share_of(u1, self.slice_mass(p2));
+        let (alpha, left) = linear_segment(self.p2_below(p2), wanted);
         let lines = self.p1_rows(p2, alpha);
         let below = lines.map(|(p1, _)| self.p1_below(p1));
-        let across = part([0, 1].map(|i| lines[i].1 * below[i][below[i].len() - 1]), left);
+        let across = linear_part([0, 1].map(|i| lines[i].1 * below[i][below[i].len() - 1]), left);
         let weights = [(1.0 - across) * lines[0].1, across * lines[1].1];
         let (beta, left) = segment_between(below, weights, u2);
         let values = lines.map(|(p1, _)| self.p1_pair(p1, beta));
         let ends = [0, 1].map(|i| weights[0] * values[0][i] + weights[1] * values[1][i]);
-        ([alpha, beta], [across, part(ends, left)])
+        ([alpha, beta], [across, linear_part(ends, left)])
     }
 }
 
@@ -326,7 +261,7 @@ fn choose(masses: &[f32; 4], u: f64) -> (usize, f32, f64) {
         below[at] = below[at - 1] + masses[at - 1];
     }
     let total = below[3] + masses[3];
-    let wanted = share(u, total);
+    let wanted = share_of(u, total);
     let at = below[1..].iter().map(|sum| usize::from(*sum <= wanted)).sum::<usize>();
     (at, total, f64::from((wanted - below[at]) / masses[at]))
 }

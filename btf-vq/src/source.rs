@@ -9,6 +9,7 @@ use crate::TEXEL_BLOCK;
 
 /// What the numbers of a BTF mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Encoding {
     /// Display-referred sRGB in [0, 1], as 8-bit images hold it.

@@ -67,7 +67,6 @@ fn box_filter(
     columns: usize,
 ) {
     let width = 2 * RADIUS + 1;
-    #[expect(clippy::cast_precision_loss, reason = "a few nodes")]
     let share = 1.0 / width as f32;
     for (target, source) in scratch.chunks_exact_mut(columns).zip(map.chunks_exact(columns)) {
         padded[RADIUS..RADIUS + columns].copy_from_slice(source);

@@ -100,7 +100,6 @@ impl NodeTable {
 }
 
 /// Mean about a node of the light grid, weighted as interpolation weighs the node.
-#[expect(clippy::cast_precision_loss, reason = "grids are small")]
 fn node_mean(
     grid: &AngularGrid,
     (alpha, beta): (usize, usize),

@@ -7,10 +7,10 @@ mod support;
 use std::sync::Arc;
 
 use btf_vq::{
-    AngularGrid, Chroma, CodeSet, CodebookSizes, Codebooks, Encoded, Encoding, IndexCodebook,
-    LightParametrization, LpcaModel, Material, Measure, NodeTable, PaperParams, ProjectedTexels,
-    ProjectionParams, Resampler, ScaleBits, Taps, TexelSet, TextureInfo, VqError, VqModel,
-    choose_sizes, colour, encode_paper, encode_refined, fit_lpca,
+    AngularGrid, Chroma, CodeSet, CodebookSizes, Codebooks, CompressedTexture, Encoded, Encoding,
+    IndexCodebook, LightParametrization, LpcaModel, Measure, NodeTable, PaperParams,
+    ProjectedTexels, ProjectionParams, Resampler, ScaleBits, Taps, TexelSet, TextureInfo, VqError,
+    VqModel, choose_sizes, colour, encode_paper, encode_refined, fit_lpca,
 };
 use glam::DVec3;
 use proptest::prelude::*;
@@ -287,7 +287,7 @@ fn tabulated_brdfs_are_texels_too() {
         cosine_included: true,
         levels: 1,
     };
-    let mut materials_packed = [Material { info, levels: vec![texture] }];
+    let mut materials_packed = [CompressedTexture { info, levels: vec![texture] }];
     let mut books = encoded.books;
     books.normalize(&mut materials_packed);
     let model = VqModel::pack(&books, &materials_packed, bits).unwrap();
@@ -358,7 +358,6 @@ fn missing_images_are_filled_from_the_same_view() {
     let (full, _) = resampler.map_blocks(&whole, 0..64, |_, block| block.to_vec()).unwrap();
     let (filled, full) = (filled.concat(), full.concat());
     let mean: f32 = filled.iter().zip(&full).map(|(a, b)| (a - b).abs()).sum::<f32>();
-    #[expect(clippy::cast_precision_loss, reason = "a mean")]
     let mean = mean / full.len() as f32;
     assert!(mean < 2e-3, "{mean}");
 }

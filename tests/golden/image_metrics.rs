@@ -1,7 +1,7 @@
 //! Image measures against scikit-image (PSNR, SSIM), flip-evaluator (ꟻLIP) and colour-science
 //! (ΔE_ITP), recorded by `scripts/image_metrics.py` on pictures made from formulas.
 
-use brdf_render::{PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, psnr_db, ssim_map};
+use brdf_image::{PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, psnr_db, ssim_map};
 
 const WIDTH: usize = 64;
 const HEIGHT: usize = 48;
@@ -15,7 +15,6 @@ fn picture(f: impl Fn(f64, f64, f64) -> f64) -> Planes {
     let plane = |c: u8| {
         (0..WIDTH * HEIGHT)
             .map(|i| {
-                #[expect(clippy::cast_precision_loss, reason = "a small picture")]
                 let [x, y] = [i % WIDTH, i / WIDTH].map(|v| v as f64);
                 f(x, y, f64::from(c)).clamp(0.0, 1.0)
             })
@@ -55,7 +54,6 @@ fn mean(map: &[f64], rim: usize) -> f64 {
         (rim..WIDTH - rim).contains(&x) && (rim..HEIGHT - rim).contains(&y)
     };
     let values: Vec<f64> = (0..map.len()).filter(inside).map(|i| map[i]).collect();
-    #[expect(clippy::cast_precision_loss, reason = "a small picture")]
     let count = values.len() as f64;
     values.iter().sum::<f64>() / count
 }

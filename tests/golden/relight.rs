@@ -1,6 +1,9 @@
 //! Relighting against a picture by Mitsuba 3, rendered by `scripts/mitsuba_relight.py`: a torus of rough metal on the
 //! ground, under a smooth sky with a soft lamp.
 
+use brdf_image::{Film, Pixel};
+use brdf_job::Job;
+use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_model::{Analytic, Brdf, Fresnel, Ggx, Rgb};
 use brdf_param::DirectionPair;
 use brdf_relight::{
@@ -8,7 +11,7 @@ use brdf_relight::{
     Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface, exact_part,
     factor_for_relighting, render,
 };
-use brdf_render::{Camera, Environment, Film, Mesh, Pixel, Soup};
+use brdf_render::Environment;
 use glam::DVec3;
 
 use crate::microfacet::{conductor, separable_over_correlated};
@@ -97,7 +100,8 @@ fn a_relit_torus_is_what_mitsuba_renders() {
 
     let fit =
         MapParams { rank: 16, light_maps: LightMaps::Joint, resolution: 48, weight_power: 0.0 };
-    let maps = BrdfMaps::of(&factor_for_relighting(&metal, &fit).unwrap().model).unwrap();
+    let maps =
+        BrdfMaps::of(&factor_for_relighting(&metal, &fit, &Job::new()).unwrap().model).unwrap();
     let made =
         PrecomputeParams { codec: Codec::Clusters { tolerance: 1e-5 }, quality: Quality::One };
     let part = |surface: Surface, maps: BrdfMaps| -> Part<'static> {
@@ -116,7 +120,8 @@ fn a_relit_torus_is_what_mitsuba_renders() {
         .iter()
         .zip(brdfs)
         .map(|(part, brdf)| {
-            let (part, colours) = exact_part(part, &mesh, &occluder, brdf, &light, eye, &|| ());
+            let (part, colours) =
+                exact_part(part, &mesh, &occluder, brdf, &light, eye, &Job::new()).unwrap();
             exact.parts.push(colours);
             part
         })

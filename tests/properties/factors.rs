@@ -180,7 +180,7 @@ proptest! {
         let batch: DirectionBatch = pairs.iter().collect();
         let mut out = RgbBatch::default();
         for (name, model) in MODELS.iter() {
-            model.eval_batch(&batch, &mut out);
+            model.eval_batch(batch.as_slices(), &mut out);
             for (index, pair) in pairs.iter().enumerate() {
                 // Single evaluation of what f32 left of the directions.
                 let single = model.eval(&batch.get(index));

@@ -1,11 +1,11 @@
 //! Measures: zero on equal input, symmetric where they claim to be, and scaling as documented.
 
+use brdf_image::{PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, psnr_db, ssim_map};
 use brdf_model::{
     Brdf, Channels, PairSampling, Preset, Rgb, SampleSet, cosine_rms, log_offsets, measure,
     perceptual_errors,
 };
 use brdf_param::DirectionPair;
-use brdf_render::{PIXELS_PER_DEGREE, Planes, delta_e_itp_map, flip_map, psnr_db, ssim_map};
 use proptest::prelude::*;
 
 /// A material times a factor.

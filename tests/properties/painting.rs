@@ -6,14 +6,13 @@ use brdf_io::{
     BasisFile, BasisRecord, FitSettings, PaintRecord, PaintedFile, basis_to_bytes,
     painted_to_bytes, parse_basis, parse_mesh, parse_painted, read_scene, read_views,
 };
+use brdf_mesh::{Camera, Mesh, Soup, UvSource};
 use brdf_model::{Channels, PairSampling, Preset, SampleSet};
 use brdf_paint::{
     GroundTruth, Mode, PaintParams, PaintSamples, SolverChoice, ViewBuffers, extract, vertex_views,
 };
 use brdf_param::DirectionPair;
-use brdf_render::{
-    Camera, DirectionalLight, Light, Mesh, MeshView, Soup, Uniform, UvSource, render_mesh,
-};
+use brdf_render::{DirectionalLight, Light, MeshView, Uniform, render_mesh};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 

@@ -2,11 +2,11 @@
 //! written comes back.
 
 use brdf_io::{RelightRecord, chunk_from_bytes, chunk_to_bytes, parse_relight, relight_to_bytes};
+use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_relight::{
     BrdfMaps, Chunk, Codec, CubeLight, LightMaps, LightRule, MapParams, Occluder, Part,
     Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface, render,
 };
-use brdf_render::{Camera, Mesh, Soup};
 use glam::DVec3;
 
 const CODECS: [Codec; 2] =

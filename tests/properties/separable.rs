@@ -21,7 +21,6 @@ fn noise(rows: usize, columns: usize, seed: u64) -> Mat<f64> {
             bits ^= bits >> 29;
             bits = bits.wrapping_mul(0xbf58_476d_1ce4_e5b9);
         }
-        #[expect(clippy::cast_precision_loss, reason = "53 bits fit a f64 exactly")]
         let unit = (bits >> 11) as f64 / 9_007_199_254_740_992.0;
         2.0 * unit - 1.0
     })

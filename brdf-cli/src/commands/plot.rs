@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
+use brdf_image::DisplayImage;
 use brdf_io::{Measured, write_atomically};
 use brdf_model::{Brdf, Channels, MerlLookup};
 use brdf_param::{HemisphereMap, Parametrization};
@@ -12,9 +13,9 @@ use brdf_plot::{
     Curves, Plot, Scale, Series, plot_coverage, plot_curves, plot_lobes, plot_parametrizations,
     plot_polar, plot_slices, plot_test_functions, plot_textures,
 };
-use brdf_render::{DisplayImage, Side, term_view, texture_view};
+use brdf_render::{Side, term_view, texture_view};
 use brdf_separable::{
-    BrdfMatrix, HemisphereGrid, Decomposition, EigenSolver, Layout, MatrixParams, RankCosineRms,
+    BrdfMatrix, Decomposition, EigenSolver, HemisphereGrid, Layout, MatrixParams, RankCosineRms,
     SeparableParams, cosine_rms_by_rank, factorize_matrix,
 };
 use brdf_study::TestFunction;
@@ -311,7 +312,6 @@ fn rank_error(brdf: &dyn Brdf, resolution: usize) -> anyhow::Result<[Vec<(f64, f
     )?;
     let errors = cosine_rms_by_rank(brdf, &fit.model, 1);
     let points = |pick: fn(&RankCosineRms) -> f64| {
-        #[expect(clippy::cast_precision_loss, reason = "a handful of terms")]
         let point = |(index, error): (usize, &RankCosineRms)| ((index + 1) as f64, pick(error));
         errors.iter().enumerate().map(point).take(RANKS).collect()
     };

@@ -9,7 +9,6 @@ pub(crate) fn error_chart(terms: &[TermRecord], mccool: &TermRecord) -> Option<P
     if terms.len() < 2 {
         return None;
     }
-    #[expect(clippy::cast_precision_loss, reason = "a handful of textures")]
     let textures = |term: &TermRecord| term.textures as f64;
     let training = terms.iter().map(|t| (textures(t), t.training.log.mean_square)).collect();
     let held_out = terms

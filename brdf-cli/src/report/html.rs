@@ -10,7 +10,7 @@ use brdf_plot::Plot;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Report;
-use super::hemisphere_grid::error_chart;
+use super::chart::error_chart;
 use crate::fitting::Outcome;
 use crate::numbers::{bytes, or_dash, percent, significant};
 use crate::pictures::{Comparison, Pictures};

@@ -1,6 +1,6 @@
 //! What `brdf factor` reports: the JSON, and the page around it.
 
-mod hemisphere_grid;
+mod chart;
 pub(crate) mod html;
 pub(crate) mod notes;
 pub(crate) mod separable;

@@ -196,8 +196,9 @@ fn negative_pairs(model: &SeparableBrdf) -> usize {
     use brdf_model::Brdf as _;
     let sampling =
         PairSampling { count: COUNTED_PAIRS, seed: 1, theta_max: std::f64::consts::FRAC_PI_2 };
-    let is_negative =
-        |pair| model.eval_unclamped(&pair).channels()[..model.maps().len()].iter().any(|v| *v < 0.0);
+    let is_negative = |pair| {
+        model.eval_unclamped(&pair).channels()[..model.maps().len()].iter().any(|v| *v < 0.0)
+    };
     sampling.pairs().filter(|pair| is_negative(*pair)).count()
 }
 
@@ -211,7 +212,6 @@ pub(crate) fn spectrum_plot(name: &str, spectra: &[ChannelSpectrum]) -> Result<P
         .iter()
         .zip(labels)
         .map(|(spectrum, label)| {
-            #[expect(clippy::cast_precision_loss, reason = "a handful of terms")]
             let point = |(index, value): (usize, &f64)| ((index + 1) as f64, value.abs());
             Series::new(*label, spectrum.values.iter().enumerate().map(point).collect())
         })
@@ -262,7 +262,6 @@ pub(crate) fn separable_notes(
     }
     let cells = fit.cells;
     let share = |count: usize| {
-        #[expect(clippy::cast_precision_loss, reason = "shown with four digits")]
         let share = count as f64 / cells.cells.max(1) as f64;
         percent(share)
     };

@@ -8,6 +8,7 @@ use crate::{FactorError, NormalEquations};
 
 /// What becomes of small singular values s_i of K.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Damping {
     /// 1 / s_i.
@@ -67,7 +68,6 @@ impl SpectralBasis {
                 (0..unknowns).map(move |row| column[row])
             })
             .collect();
-        #[expect(clippy::cast_precision_loss, reason = "at most 8192")]
         let weights = squares[..kept]
             .iter()
             .enumerate()

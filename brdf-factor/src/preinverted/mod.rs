@@ -27,6 +27,7 @@ use crate::{
 
 /// The factors that are solved for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
     /// Factors of directions and the texels along a side of each.
     pub factors: Vec<(FactorSpec, usize)>,
@@ -49,6 +50,7 @@ impl Plan {
 
 /// How the matrix is inverted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Inversion {
     /// A Cholesky factor of the normal equations: the least-squares solution.
@@ -482,7 +484,6 @@ fn columns_in(
 }
 
 /// Makes the mean of each channel 0 and returns what it was.
-#[expect(clippy::cast_precision_loss, reason = "textures have at most a million texels")]
 fn take_out_mean(texels: &mut [[f64; 4]]) -> [f64; 4] {
     let count = texels.len() as f64;
     let mean: [f64; 4] =

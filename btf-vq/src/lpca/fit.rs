@@ -1,5 +1,6 @@
 //! Spaces fitted to texels.
 
+use brdf_job::Job;
 use faer::{Mat, Side};
 use rayon::prelude::*;
 
@@ -81,14 +82,25 @@ pub fn lpca_bytes(
     basis + texels * (usize::from(clusters > 1) + components * value)
 }
 
-/// The best of the fits whose bases and texels take at most so many bytes.
+/// Numbers of components that are tried.
+const COMPONENTS: [usize; 13] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32];
+
+/// Returns the best of the fits whose bases and texels take at most so many bytes.
 ///
 /// # Errors
 ///
-/// [`VqError::Budget`] where not even one component of one cluster fits.
-pub fn fit_lpca(survey: &ProjectedTexels, bytes: usize, value: usize) -> Result<LocalPca, VqError> {
+/// [`VqError::Budget`] where not even one component of one cluster fits; [`VqError::Stopped`].
+pub fn fit_lpca(
+    survey: &ProjectedTexels,
+    bytes: usize,
+    value: usize,
+    job: &Job<'_>,
+) -> Result<LocalPca, VqError> {
+    job.begin("fitting components", COMPONENTS.len() as u64);
     let mut best: Option<LocalPca> = None;
-    for components in [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32] {
+    for components in COMPONENTS {
+        job.check()?;
+        job.advance(1);
         let size =
             |clusters| lpca_bytes(&survey.grid, survey.texels(), clusters, components, value);
         let Some(clusters) = (1..=256).rev().find(|c| size(*c) <= bytes) else { break };
@@ -134,7 +146,6 @@ fn fit_spaces(
             for x in members.iter().map(texel) {
                 mean.iter_mut().zip(x).for_each(|(m, v)| *m += f64::from(*v));
             }
-            #[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ texels")]
             let share = 1.0 / members.len().max(1) as f64;
             mean.iter_mut().for_each(|m| *m *= share);
             affine_space(&mean, members.iter().map(texel), components)

@@ -11,6 +11,7 @@ use crate::{AngularGrid, Encoding, SharedBytes, TextureInfo, VqError};
 
 /// A straight line from codes to values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Steps {
     /// Value of code 0.
     pub min: f32,
@@ -45,6 +46,7 @@ impl Steps {
 
 /// What the streams mean.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LpcaHeader {
     /// Nodes.
     pub grid: AngularGrid,

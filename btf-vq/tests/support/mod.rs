@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use btf_vq::{
-    AngularGrid, BtfLayout, BtfSource, BtfView, Chroma, Codebooks, Encoding, IndexCodebook,
-    Material, Resampler, SourceError, TextureInfo, colour,
+    AngularGrid, BtfLayout, BtfSource, BtfView, Chroma, Codebooks, CompressedTexture, Encoding,
+    IndexCodebook, Resampler, SourceError, TextureInfo, colour,
 };
 use glam::DVec3;
 
@@ -95,6 +95,6 @@ pub(crate) fn info(source: &Formula) -> TextureInfo {
 }
 
 /// One texture of one level.
-pub(crate) fn material(source: &Formula, texture: IndexCodebook) -> Material {
-    Material { info: info(source), levels: vec![texture] }
+pub(crate) fn material(source: &Formula, texture: IndexCodebook) -> CompressedTexture {
+    CompressedTexture { info: info(source), levels: vec![texture] }
 }

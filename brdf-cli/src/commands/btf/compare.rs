@@ -8,7 +8,7 @@ use anyhow::bail;
 use brdf_io::{Btf, open_btf_model};
 use brdf_model::{Channels, cosine_rms};
 use btf_vq::colour::from_luma_chroma;
-use btf_vq::{TEXEL_BLOCK, BtfReader, BtfSource, NodeTable, Resampler, Taps};
+use btf_vq::{BtfReader, BtfSource, NodeTable, Resampler, TEXEL_BLOCK, Taps};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
@@ -154,7 +154,6 @@ impl Compare {
         self.report_brdfs(&compared?, file.bytes, out)
     }
 
-    #[expect(clippy::cast_precision_loss, reason = "means and a ratio")]
     fn report_brdfs(
         &self,
         brdfs: &[BrdfFidelity],
@@ -199,7 +198,6 @@ impl Compare {
         out: &mut impl Write,
     ) -> anyhow::Result<ExitCode> {
         let size = model.file.bytes;
-        #[expect(clippy::cast_precision_loss, reason = "a ratio")]
         let ratio = raw_bytes as f64 / size as f64;
         if self.json {
             let report = json!({

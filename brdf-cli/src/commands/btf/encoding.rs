@@ -8,9 +8,9 @@ use std::time::Instant;
 use anyhow::bail;
 use brdf_io::{BtfRecord, btf_model_to_bytes, write_atomically};
 use btf_vq::{
-    CodebookSizes, Codebooks, BtfModel, Chroma, Encoding, IndexCodebook, LpcaModel, Material, Measure,
-    PaperParams, ScaleBits, ProjectedTexels, ProjectionParams, TexelSet, VqModel, choose_sizes, encode_paper,
-    encode_refined, fit_lpca,
+    BtfModel, Chroma, CodebookSizes, Codebooks, Encoding, IndexCodebook, LpcaModel, Material,
+    Measure, PaperParams, ProjectedTexels, ProjectionParams, ScaleBits, TexelSet, VqModel,
+    choose_sizes, encode_paper, encode_refined, fit_lpca,
 };
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
@@ -150,12 +150,7 @@ impl Job<'_> {
     }
 
     /// Bytes of the file that the ratio asks for.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a ratio of bytes"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a ratio of bytes")]
     fn target(&self) -> u64 {
         (self.inputs.raw_bytes as f64 / self.sizes.ratio.unwrap_or(RATIO)) as u64
     }
@@ -226,7 +221,11 @@ impl Job<'_> {
     }
 
     /// A survey of texels that have a subspace in common.
-    fn survey(&self, sets: &[TexelSet<'_>], progress: &Progress) -> anyhow::Result<ProjectedTexels> {
+    fn survey(
+        &self,
+        sets: &[TexelSet<'_>],
+        progress: &Progress,
+    ) -> anyhow::Result<ProjectedTexels> {
         progress.step("resampling");
         Ok(ProjectedTexels::of(sets, ProjectionParams::default(), &|n| progress.done(n as u64))?)
     }
@@ -247,7 +246,6 @@ impl Job<'_> {
         let bytes = btf_model_to_bytes(&model, &self.record())?.len();
         let before = self.start.as_ref().map_or(0, |start| start.bytes);
         let target = usize::try_from(self.target())? + before;
-        #[expect(clippy::cast_precision_loss, reason = "ratios of bytes")]
         let of_target = |bytes: usize| bytes as f64 / target as f64;
         // Where every slice of a BRDF has a row of its own, there is nothing to grow.
         let is_full = self.inputs.grid.phis == 1 && bytes <= target;
@@ -260,7 +258,6 @@ impl Job<'_> {
         if target <= fixed || bytes <= fixed {
             bail!("{target} bytes are too few; ask for a lower --ratio");
         }
-        #[expect(clippy::cast_precision_loss, reason = "a ratio of bytes")]
         let share = (target - fixed) as f64 / (bytes - fixed) as f64;
         Ok((self.build(&surveys, &sizes.times(share), bits)?, notes))
     }
@@ -329,7 +326,6 @@ impl Made {
         out: &mut impl Write,
     ) -> anyhow::Result<ExitCode> {
         let raw_bytes = self.record.raw_bytes;
-        #[expect(clippy::cast_precision_loss, reason = "a ratio")]
         let ratio = raw_bytes as f64 / bytes as f64;
         let streams = self.model.stream_bytes();
         let stored: usize = streams.iter().map(|s| s.1).sum();

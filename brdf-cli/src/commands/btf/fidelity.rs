@@ -1,8 +1,8 @@
 //! How near images are to those of a BTF.
 
 use anyhow::anyhow;
+use brdf_image::SsimWorkspace;
 use brdf_io::Btf;
-use brdf_render::SsimWorkspace;
 use btf_vq::colour::linear_to_srgb;
 use btf_vq::{AngularGrid, BtfSource, Encoding, Taps};
 use rayon::prelude::*;
@@ -72,7 +72,6 @@ pub(super) fn compare(
         .collect();
     let each = each.map_err(|e| anyhow!(e))?;
     let squares: u64 = each.iter().map(|e| e.0).sum();
-    #[expect(clippy::cast_precision_loss, reason = "means")]
     let (mse, mssim) = (
         squares as f64 / (values * each.len()) as f64,
         each.iter().map(|e| e.1).sum::<f64>() / each.len() as f64,

@@ -103,7 +103,6 @@ fn model_facts(file: &BtfModelFile) -> Value {
             |t| json!({ "name": t.name, "width": t.width, "height": t.height, "levels": t.levels }),
         )
         .collect();
-    #[expect(clippy::cast_precision_loss, reason = "a ratio")]
     let ratio = file.made.raw_bytes as f64 / file.bytes as f64;
     let mut facts = json!({
         "kind": "compressed BTF",

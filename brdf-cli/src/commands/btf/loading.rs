@@ -101,12 +101,7 @@ impl OpenModel {
 }
 
 /// Texel, row-major, of tile coordinates; u to the right, v upwards.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "reduced to the tile"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to the tile")]
 pub(super) fn texel_at((width, height): (usize, usize), u: f64, v: f64) -> usize {
     let x = (u.rem_euclid(1.0) * width as f64) as usize;
     let y = ((1.0 - v.rem_euclid(1.0)) * height as f64) as usize;

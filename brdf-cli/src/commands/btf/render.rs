@@ -5,11 +5,11 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use brdf_image::ToneMap;
 use brdf_io::write_atomically;
 use brdf_model::Rgb;
 use brdf_render::{
-    MeshView, Shape, SpatiallyVarying, TexturePoint, TexturedView, ToneMap, render_mesh,
-    render_textured,
+    MeshView, Shape, SpatiallyVarying, TexturePoint, TexturedView, render_mesh, render_textured,
 };
 use btf_vq::{BtfReader, Taps};
 use clap::ValueEnum;
@@ -130,12 +130,7 @@ struct Textured<'a> {
 
 impl Textured<'_> {
     /// The level whose texels are about as large as a footprint, and the texel there.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "levels are few"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "levels are few")]
     fn place(&self, at: &TexturePoint) -> (usize, usize) {
         let (width, height) = self.reader.size(0);
         let texels = at.footprint * width.max(height) as f64;

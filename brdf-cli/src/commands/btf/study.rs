@@ -9,9 +9,9 @@ use brdf_io::{Btf, OutputFolder};
 use brdf_plot::{Curves, Scale, Series, plot_curves};
 use btf_vq::baselines::{Combinations, ViewPca};
 use btf_vq::{
-    Codebooks, BtfModel, BtfReader, BtfSource, Chroma, IndexCodebook, LpcaModel, Material, Measure,
-    PaperParams, ScaleBits, ProjectedTexels, ProjectionParams, Taps, TexelSet, VqModel, choose_sizes,
-    encode_paper, encode_refined, fit_lpca,
+    BtfModel, BtfReader, BtfSource, Chroma, Codebooks, IndexCodebook, LpcaModel, Material, Measure,
+    PaperParams, ProjectedTexels, ProjectionParams, ScaleBits, Taps, TexelSet, VqModel,
+    choose_sizes, encode_paper, encode_refined, fit_lpca,
 };
 use clap::ValueEnum;
 
@@ -203,7 +203,6 @@ impl Bench<'_> {
         decode: &(dyn Fn(usize, &mut [u8]) + Sync),
     ) -> anyhow::Result<Row> {
         let fidelity = compare(self.source, self.every, decode, &self.progress)?;
-        #[expect(clippy::cast_precision_loss, reason = "a ratio")]
         let ratio = self.inputs.raw_bytes as f64 / bytes as f64;
         Ok(Row { method, bytes, ratio, fidelity })
     }
@@ -227,12 +226,7 @@ impl Bench<'_> {
     }
 
     /// What starts from a survey of the texels.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a ratio of bytes"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a ratio of bytes")]
     fn surveyed(&self, sets: &[TexelSet<'_>], ratios: &[f64]) -> anyhow::Result<Vec<Row>> {
         let of_survey = [Method::Refined, Method::Lpca, Method::LpcaF32, Method::OneLevel];
         if !of_survey.iter().any(|method| self.wants(*method)) {
@@ -356,7 +350,6 @@ fn plot(rows: &[Row]) -> anyhow::Result<brdf_plot::Plot> {
         series: Method::ALL
             .map(|method| {
                 let points = rows.iter().filter(|row| row.method == method);
-                #[expect(clippy::cast_precision_loss, reason = "a place on an axis")]
                 let points = points.map(|r| ((r.bytes as f64).log10(), of(&r.fidelity)));
                 let mut points: Vec<(f64, f64)> = points.collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::Context as _;
 use brdf_io::{UboWriter, WrittenImages, read_albedo, read_map};
 use btf_synth::{
-    LIGHT_COUNT, Map, Reflectance, SurfaceScene, SurfaceMaps, SynthOptions, heights_from_normals,
+    LIGHT_COUNT, Map, Reflectance, SurfaceMaps, SurfaceScene, SynthOptions, heights_from_normals,
 };
 use clap::ValueEnum;
 use serde::Serialize;

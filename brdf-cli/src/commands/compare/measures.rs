@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
+use brdf_image::{Film, ImageErrors, ToneMap, image_errors};
 use brdf_model::{
     Channels, CosineRms, DirectionBatch, ErrorMeasures, PerceptualErrors, RgbBatch, SampleSet,
     cosine_rms, measure, perceptual_errors,
 };
-use brdf_render::{Film, ImageErrors, Light, SphereView, ToneMap, image_errors, render_sphere};
+use brdf_render::{Light, SphereView, render_sphere};
 use serde::Serialize;
 
 use crate::pictures::Grey;
@@ -155,7 +156,6 @@ impl<'a> Evaluator<'a> {
                 start.elapsed().as_secs_f64()
             })
             .fold(f64::INFINITY, f64::min);
-        #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2⁵³")]
         let count = batch.len() as f64;
         1e9 * shortest / count
     }
@@ -177,7 +177,6 @@ impl Row {
             let larger_is_better = name.starts_with("psnr_db") || name.starts_with("ssim");
             all.push(Measure { name: name.to_owned(), larger_is_better, value });
         };
-        #[expect(clippy::cast_precision_loss, reason = "file sizes")]
         add("bytes", Some(self.bytes as f64));
         add("ms_per_million", self.ms_per_million);
         for (kind, errors) in [("log", &self.log), ("linear", &self.linear)] {

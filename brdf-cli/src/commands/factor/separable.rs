@@ -14,8 +14,8 @@ use brdf_model::{
 };
 use brdf_param::Parametrization;
 use brdf_separable::{
-    BrdfMatrix, HemisphereGrid, Decomposition, EigenSolver, Fill, Layout, MatrixParams, SeparableParams,
-    ValueTransform, factorize_matrix,
+    BrdfMatrix, Decomposition, EigenSolver, Fill, HemisphereGrid, Layout, MatrixParams,
+    SeparableParams, ValueTransform, factorize_matrix,
 };
 
 use super::Factor;
@@ -161,8 +161,11 @@ impl Factor {
         };
         let resolution = args.resolution.unwrap_or(48) as usize;
         let plane = HemisphereGrid::Plane { map: hemisphere, resolution };
-        let first =
-            if args.isotropic { HemisphereGrid::Radius { map: hemisphere, resolution } } else { plane };
+        let first = if args.isotropic {
+            HemisphereGrid::Radius { map: hemisphere, resolution }
+        } else {
+            plane
+        };
         Ok(Layout::new(parametrization, first, plane))
     }
 

@@ -6,16 +6,18 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
+use brdf_image::ToneMap;
 use brdf_io::{
-    OutputFolder, PaintRecord, PaintedFile, ReadOptions, PaintScene, painted_to_bytes, read_buffers,
-    read_painting, read_scene, write_exr,
+    OutputFolder, PaintRecord, PaintScene, PaintedFile, ReadOptions, painted_to_bytes,
+    read_buffers, read_painting, read_scene, write_exr,
 };
+use brdf_mesh::UvSource;
 use brdf_paint::pictures::{contradictions_view, coverage_view, map_view, view_strip};
 use brdf_paint::{
     Extraction, Mode, PaintErrors, PaintLogTransform, PaintParams, PaintSamples, PaintedImage,
     SolverChoice, ViewBuffers, extract, face_views,
 };
-use brdf_render::{DirectionalLight, Light, SphereView, ToneMap, UvSource, render_sphere};
+use brdf_render::{DirectionalLight, Light, SphereView, render_sphere};
 use clap::ValueEnum;
 use maud::html;
 use serde_json::{Value, json};

@@ -4,8 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use brdf_image::ToneMap;
 use brdf_io::{MappedFile, parse_painted, write_atomically};
-use brdf_render::{MeshView, ToneMap, render_mesh};
+use brdf_render::{MeshView, render_mesh};
 
 use crate::args::{ForceArgs, LightArgs, positive, usage};
 use crate::meshes::{ViewArgs, open_mesh};

@@ -6,13 +6,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use brdf_io::{
-    OutputFolder, ReadOptions, PaintScene, TruthRecord, buffers_to_exr, painting_to_exr, read_views,
-    scene_to_toml,
+    OutputFolder, PaintScene, ReadOptions, TruthRecord, buffers_to_exr, painting_to_exr,
+    read_views, scene_to_toml,
 };
+use brdf_mesh::Mesh;
 use brdf_model::Brdf;
 use brdf_paint::pictures::guide;
 use brdf_paint::{GroundTruth, PaintView, ViewBuffers, spiral_views, vertex_views};
-use brdf_render::Mesh;
 use serde_json::json;
 
 use crate::args::{resolution, usage};

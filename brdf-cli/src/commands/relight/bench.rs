@@ -84,7 +84,6 @@ impl Bench {
                 Ok(work.chunks()[*chunk].len())
             });
             let done = made.sum::<Result<usize, RelightError>>()?;
-            #[expect(clippy::cast_precision_loss, reason = "counts of vertices")]
             let share = vertices as f64 / done as f64;
             seconds += start.elapsed().as_secs_f64() * share;
         }

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use brdf_io::{MappedFile, RelightFile, parse_relight, read_environment};
-use brdf_relight::{CubeLight, LightRule, CubeLightSampler, LitCoefficients, RenderParams};
-use brdf_render::{Camera, Environment, Mesh, Soup};
+use brdf_mesh::{Camera, Mesh, Soup};
+use brdf_relight::{CubeLight, CubeLightSampler, LightRule, LitCoefficients, RenderParams};
+use brdf_render::Environment;
 use clap::ValueEnum;
 use glam::DVec3;
 

@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use brdf_image::ToneMap;
 use brdf_io::write_atomically;
 use brdf_relight::{RelitScene, render};
-use brdf_render::ToneMap;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
 use crate::args::{ForceArgs, positive, usage};

@@ -5,11 +5,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
+use brdf_image::{Film, Panel, Pixel, ToneMap, strip};
 use brdf_io::{OutputFolder, ReadOptions};
+use brdf_mesh::Mesh;
 use brdf_model::Brdf;
 use brdf_plot::{Curves, Scale, Series, plot_curves};
-use brdf_relight::{CubeLight, Occluder, Part, RelitScene, RenderParams, Transport, exact_part, render};
-use brdf_render::{Film, Mesh, Panel, Pixel, ToneMap, strip};
+use brdf_relight::{
+    CubeLight, Occluder, Part, RelitScene, RenderParams, Transport, exact_part, render,
+};
 use serde_json::json;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
@@ -108,7 +111,6 @@ impl Sweep {
             .collect();
         panels.push(Panel { picture: tone.apply(&wanted), caption: "brute force".to_owned() });
         folder.write("strip.png", &png(&strip(&panels))?)?;
-        #[expect(clippy::cast_precision_loss, reason = "small numbers")]
         let points = values.iter().map(|v| *v as f64).zip(errors.iter().copied()).collect();
         let curves = Curves {
             title: format!("{} of {}", subject.short_name(), file.record.mesh),

@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use brdf_image::ToneMap;
 use brdf_io::OutputFolder;
 use brdf_relight::{CubeLightSampler, RelitScene, render};
-use brdf_render::ToneMap;
 use clap::ValueEnum;
 use serde_json::json;
 

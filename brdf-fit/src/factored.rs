@@ -1,0 +1,538 @@
+//! Products of textures: searched, over fixed coordinates, or with a matrix inverted before.
+
+use std::time::Instant;
+
+use brdf_factor::{
+    Coordinate, FactorError, FactorParams, FactorSpec, FactoredBrdf, Fit, LogTransform,
+    Preinverted, Problem, TermSolve, Weight, factorize, factorize_terms,
+};
+use brdf_job::Job;
+use brdf_model::{Channels, PairSampling, SampleSet, largest_albedo, summarize};
+use brdf_param::{Bound, Projection, Space};
+use rayon::prelude::*;
+
+use crate::error::FitError;
+use crate::material::Material;
+use crate::method::Method;
+use crate::note::FitNote;
+use crate::preinvert::Basis;
+use crate::record::{Albedo, FactoredRecord, FitSettingsRecord, TermRecord};
+use crate::report::SearchReport;
+use crate::search::{Found, SearchSettings};
+use crate::training::Training;
+
+/// Which factors a product has.
+#[derive(Clone, Debug)]
+pub enum FactoredMethod {
+    /// A search finds projections, for every number of terms.
+    Search(SearchSettings),
+    /// p(wi) q(h) p(wo).
+    McCool,
+    /// p(|wi⊥|) q(|h⊥|) p(|wo⊥|), one-dimensional, of isotropic materials.
+    Radial,
+    /// One texture for each of these; every leading part of the list is a model.
+    Projections {
+        /// What they project.
+        space: Space,
+        /// In order.
+        projections: Vec<Projection>,
+    },
+    /// Those of a matrix that was inverted before, of samples at the same places.
+    Preinverted(Box<Basis>),
+}
+
+impl FactoredMethod {
+    /// Returns the name, as records have it.
+    pub fn name(&self) -> Method {
+        match self {
+            Self::Search(_) => Method::Search,
+            Self::McCool => Method::McCool,
+            Self::Radial => Method::Radial,
+            Self::Projections { .. } => Method::Projections,
+            Self::Preinverted(_) => Method::Preinverted,
+        }
+    }
+
+    /// Returns the factors of a model that is one, for a method that has them.
+    pub(crate) fn fixed_specs(&self, reciprocal: bool) -> Option<Vec<FactorSpec>> {
+        match self {
+            Self::McCool => Some(FactorSpec::mccool(reciprocal)),
+            Self::Radial => Some(FactorSpec::radial(reciprocal)),
+            _ => None,
+        }
+    }
+}
+
+/// Whether light and viewer share textures, so that exchanging them changes nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reciprocity {
+    /// They do.
+    #[default]
+    On,
+    /// They do not.
+    Off,
+    /// A search tries both; the lower error on validation pairs wins.
+    Auto,
+}
+
+impl Reciprocity {
+    fn candidates(self) -> &'static [bool] {
+        match self {
+            Self::On => &[true],
+            Self::Off => &[false],
+            Self::Auto => &[true, false],
+        }
+    }
+}
+
+/// How a product of textures is fitted.
+#[derive(Clone, Debug)]
+pub struct FactoredSettings {
+    /// Which factors.
+    pub method: FactoredMethod,
+    /// Texels along each side of a texture, 2 to 1024; none for 24 after a search, else 32.
+    pub texture_size: Option<usize>,
+    /// What is fitted into the square of a texture.
+    pub bound: Bound,
+    /// Weight μ of each texel's Laplacian, relative to the samples.
+    pub smoothing: f64,
+    /// Which logarithm is fitted.
+    pub log_transform: LogTransform,
+    /// How a sample's squared log error is weighted.
+    pub weight: Weight,
+    /// Whether light and viewer share textures.
+    pub reciprocity: Reciprocity,
+    /// Direction pairs to draw; scattered rows come as they are.
+    pub samples: u32,
+    /// Which scramble of the sample sequence.
+    pub seed: u64,
+    /// Copies of each sample, turned about the normal in equal steps: what isotropic materials are known to do. None
+    /// for 32 of scattered rows lit from one azimuth, else 1.
+    pub replicate: Option<u32>,
+    /// Largest angle between a direction and the normal, radians.
+    pub theta_max: f64,
+    /// Channels to fit; none for those that the material has.
+    pub channels: Option<Channels>,
+}
+
+impl Default for FactoredSettings {
+    /// A search in both spaces: up to five reciprocal textures of 24².
+    fn default() -> Self {
+        Self::of(FactoredMethod::Search(SearchSettings::default()))
+    }
+}
+
+impl FactoredSettings {
+    /// Returns the usual settings of a method.
+    pub fn of(method: FactoredMethod) -> Self {
+        Self {
+            method,
+            texture_size: None,
+            bound: Bound::Disc,
+            smoothing: 1e-4,
+            log_transform: LogTransform::Offset,
+            weight: Weight::Log,
+            reciprocity: Reciprocity::On,
+            samples: 45_000,
+            seed: 1,
+            replicate: None,
+            theta_max: 80_f64.to_radians(),
+            channels: None,
+        }
+    }
+
+    /// Returns what a fit of a material by these settings records.
+    pub(crate) fn record(&self, material: &Material<'_>) -> FitSettingsRecord {
+        if let FactoredMethod::Preinverted(basis) = &self.method {
+            return basis.record.settings.clone();
+        }
+        let is_lit_from_one_azimuth = SampleSet::has_one_light_azimuth;
+        let replicate = match (self.replicate, &self.method) {
+            (Some(copies), _) => copies,
+            (None, FactoredMethod::Radial) => 1,
+            (None, _) if material.samples().is_some_and(is_lit_from_one_azimuth) => 32,
+            (None, _) => 1,
+        };
+        let search = match &self.method {
+            FactoredMethod::Search(search) => Some(search),
+            _ => None,
+        };
+        FitSettingsRecord {
+            params: FactorParams {
+                texture_size: self
+                    .texture_size
+                    .unwrap_or(if search.is_some() { 24 } else { 32 }),
+                bound: self.bound,
+                smoothing: self.smoothing,
+                log_map: self.log_transform,
+                weight: self.weight,
+                terms: search.map_or(TermSolve::All, SearchSettings::term_solve),
+                theta_max: self.theta_max,
+                solver: None,
+            },
+            reciprocal: self.reciprocity != Reciprocity::Off,
+            samples: self.samples,
+            seed: self.seed,
+            replicate,
+            search: search.map(SearchSettings::record),
+        }
+    }
+}
+
+/// A factored model and how it was made: what a model file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FactoredModel {
+    /// The model.
+    pub model: FactoredBrdf,
+    /// The best models of fewer textures, smallest first, with the same transforms and grazing limit.
+    pub smaller: Vec<FactoredBrdf>,
+    /// How it was made.
+    pub record: FactoredRecord,
+}
+
+impl FactoredModel {
+    /// Returns the model of `textures` textures in place of the largest, with those below it;
+    /// `None` where there is none.
+    pub fn keep(mut self, textures: usize) -> Option<Self> {
+        let count = |model: &FactoredBrdf| model.factors().len();
+        if count(&self.model) != textures {
+            let at = self.smaller.iter().position(|model| count(model) == textures)?;
+            self.smaller.truncate(at + 1);
+            self.model = self.smaller.pop()?;
+        }
+        self.record.terms.retain(|term| term.textures <= textures);
+        Some(self)
+    }
+
+    /// Returns the projections of the model's factors and the space that all of them are in; none unless there is
+    /// one, and one space.
+    pub fn projections(&self) -> Option<(Space, Vec<Projection>)> {
+        let found: Vec<(Space, Projection)> = self
+            .model
+            .factors()
+            .iter()
+            .filter_map(|factor| match factor.coordinates()[0] {
+                Coordinate::Projected { space, projection } => Some((space, projection)),
+                _ => None,
+            })
+            .collect();
+        let &(space, _) = found.first()?;
+        let is_one = found.iter().all(|(other, _)| *other == space);
+        is_one.then(|| (space, found.into_iter().map(|(_, projection)| projection).collect()))
+    }
+}
+
+/// Models by number of terms, their errors, and McCool's beside them.
+#[derive(Clone, Debug)]
+pub struct FactoredFit {
+    /// The fits, the one with the most terms last; at least one.
+    pub fits: Vec<Fit>,
+    /// Errors of each.
+    pub terms: Vec<TermRecord>,
+    /// Errors of McCool's two textures on the same samples.
+    pub baseline: TermRecord,
+    /// Linear least-squares problems that were solved for the terms, the search included.
+    pub evaluations: usize,
+    /// How the projections were found, if they were searched.
+    pub search: Option<SearchReport>,
+    /// Of the fit and the search.
+    pub seconds: f64,
+    /// Rows or drawn pairs that were fitted, before they were copied.
+    pub rows: usize,
+    /// Largest directional albedos within the grazing limit.
+    pub albedo: Albedo,
+    /// How the model was made.
+    pub method: Method,
+    /// Name of the material.
+    pub name: String,
+    /// Channels that were fitted.
+    pub channels: Channels,
+    /// The settings that were used.
+    pub settings: FitSettingsRecord,
+    /// What a reader should know.
+    pub notes: Vec<FitNote>,
+}
+
+impl FactoredFit {
+    /// Returns the fit with the most terms.
+    pub fn last(&self) -> &Fit {
+        // A fit has at least one model.
+        &self.fits[self.fits.len() - 1]
+    }
+
+    /// Returns the space of the model's projections; standard where it has none.
+    pub fn space(&self) -> Space {
+        let factors = self.last().model.factors().iter();
+        factors
+            .flat_map(|factor| factor.coordinates())
+            .find_map(|coordinate| match coordinate {
+                Coordinate::Projected { space, .. } => Some(*space),
+                _ => None,
+            })
+            .unwrap_or(Space::Standard)
+    }
+
+    /// Returns the models and how they were made, for a file.
+    pub fn model(&self) -> FactoredModel {
+        let fit = self.last();
+        let smaller = &self.fits[..self.fits.len() - 1];
+        FactoredModel {
+            model: fit.model.clone(),
+            smaller: smaller.iter().map(|fit| fit.model.clone()).collect(),
+            record: FactoredRecord {
+                method: self.method,
+                input: self.name.clone(),
+                space: self.space(),
+                settings: self.settings.clone(),
+                terms: self.terms.clone(),
+                samples_used: fit.samples_used,
+                dropped: fit.dropped,
+            },
+        }
+    }
+}
+
+/// Fits a product of textures; see [`fit`](crate::fit) for what is held out.
+///
+/// A search that is stopped goes on with the best projections found so far. Its time ends at the job's deadline; the
+/// textures are solved for after that.
+///
+/// # Errors
+///
+/// [`FitError`]; [`FitError::Stopped`] if the job is stopped before there is anything to fit.
+pub fn fit_factored(
+    material: &Material<'_>,
+    settings: &FactoredSettings,
+    job: &Job<'_>,
+) -> Result<FactoredFit, FitError> {
+    let reciprocal = settings.reciprocity.candidates();
+    let is_search = matches!(settings.method, FactoredMethod::Search(_));
+    if !is_search && reciprocal.len() > 1 {
+        return Err(FitError::Setting {
+            setting: "reciprocity",
+            value: "auto",
+            expected: "on or off; a search alone can choose",
+        });
+    }
+    let channels = settings.channels.unwrap_or(material.channels());
+    let mut record = settings.record(material);
+    let [drawing, searching, fitting, measuring, baseline_job] =
+        job.split([1.0, if is_search { 40.0 } else { 0.0 }, 4.0, 4.0, 3.0]);
+    drawing.begin("drawing samples", 1);
+    let training = Training::new(material, channels, &record);
+    if training.fitted.is_empty() {
+        let dropped = training.fitted.dropped().to_string();
+        return Err(FactorError::NoSamples { dropped }.into());
+    }
+    drawing.advance(1);
+    let start = Instant::now();
+    let found = match &settings.method {
+        FactoredMethod::Search(search) => {
+            let families = search.families(reciprocal);
+            let samples = training.for_search(material, channels, &record, families.len());
+            Some(search.run(&families, &samples, &record.params, record.seed, &searching)?)
+        }
+        _ => None,
+    };
+    let specs = specs_of(&settings.method, reciprocal[0], found.as_ref());
+    fitting.begin("fitting", 1);
+    let fits = match &settings.method {
+        FactoredMethod::Preinverted(basis) => {
+            let problem = Problem::new(&training.fitted, &record.params)?;
+            let (plan, inverse) = (basis.record.plan.clone(), basis.inverse.clone());
+            let inverted = Preinverted::restore(&problem, &[], plan, inverse, &basis.record.key)?;
+            vec![inverted.fit(&problem)?]
+        }
+        _ => fit_models(&training.fitted, &specs, &record.params)?,
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    fitting.advance(1);
+
+    measuring.begin("measuring", fits.len() as u64);
+    let terms: Vec<TermRecord> = fits
+        .par_iter()
+        .zip(&specs)
+        .map(|(fit, specs)| {
+            let record = training.record(fit, specs, &record.params);
+            measuring.advance(1);
+            record
+        })
+        .collect::<Result<_, FactorError>>()?;
+    baseline_job.begin("fitting McCool's baseline", 1);
+    if let Some(found) = &found {
+        record.reciprocal = found.family.reciprocal;
+    }
+    let mccool = FactorSpec::mccool(record.reciprocal);
+    let baseline = match &settings.method {
+        FactoredMethod::McCool => terms[0].clone(),
+        _ => {
+            let fit = factorize(&training.fitted, &mccool, &record.params)?;
+            training.record(&fit, &mccool, &record.params)?
+        }
+    };
+    baseline_job.advance(1);
+    let model = &fits[fits.len() - 1].model;
+    let albedo = Albedo {
+        reference: material.samples().is_none().then(|| {
+            largest_albedo(channels.of(material.brdf()).as_ref(), model.theta_max()).0
+        }),
+        model: largest_albedo(model, model.theta_max()).0,
+    };
+    let searched = found.as_ref().map_or(0, |f| f.tried.iter().map(|t| t.evaluations).sum());
+    let asked = record.search.as_ref().map_or(0, |search| search.terms);
+    let mut fit = FactoredFit {
+        evaluations: searched + fits.len(),
+        search: found.as_ref().map(|found| SearchReport {
+            terms: asked,
+            stopped: found.outcome.stopped.map(|cause| cause.name().to_owned()),
+            tried: found.tried.clone(),
+        }),
+        fits,
+        terms,
+        baseline,
+        seconds,
+        rows: training.rows.len(),
+        albedo,
+        method: settings.method.name(),
+        name: material.name().to_owned(),
+        channels,
+        settings: record,
+        notes: Vec::new(),
+    };
+    fit.notes = notes(&fit, material, found.as_ref());
+    Ok(fit)
+}
+
+/// The factors of each model.
+fn specs_of(
+    method: &FactoredMethod,
+    reciprocal: bool,
+    found: Option<&Found>,
+) -> Vec<Vec<FactorSpec>> {
+    match (method, found) {
+        (FactoredMethod::Search(_), Some(found)) => {
+            found.outcome.terms.iter().map(|t| found.family.specs(&t.projections)).collect()
+        }
+        (FactoredMethod::Search(_), None) => Vec::new(),
+        (FactoredMethod::Projections { space, projections }, _) => {
+            let specs = FactorSpec::projections(*space, projections, reciprocal);
+            (1..=specs.len()).map(|n| specs[..n].to_vec()).collect()
+        }
+        (FactoredMethod::Preinverted(basis), _) => {
+            vec![basis.record.plan.factors.iter().map(|(spec, _)| spec.clone()).collect()]
+        }
+        (fixed, _) => fixed.fixed_specs(reciprocal).into_iter().collect(),
+    }
+}
+
+/// The textures of every model: each on its own, or each with the textures that the one before
+/// leaves it.
+fn fit_models(
+    samples: &SampleSet,
+    models: &[Vec<FactorSpec>],
+    params: &FactorParams,
+) -> Result<Vec<Fit>, FactorError> {
+    match (params.terms, models.last()) {
+        (TermSolve::Last(_), Some(largest)) => {
+            let mut fits = factorize_terms(samples, largest, params)?;
+            Ok(fits.split_off(models[0].len() - 1))
+        }
+        _ => models.iter().map(|specs| factorize(samples, specs, params)).collect(),
+    }
+}
+
+/// Fewer directions of light than this leave most of the light's texture to smoothing.
+const FEW_INCIDENCES: usize = 8;
+/// Rows near less than this share of the domain leave most of the fit to smoothing.
+const SPARSE: f64 = 0.5;
+
+fn notes(fit: &FactoredFit, material: &Material<'_>, found: Option<&Found>) -> Vec<FitNote> {
+    let mut notes = Vec::new();
+    let clamped = fit.last().clamped;
+    if clamped > 0 {
+        notes.push(FitNote::Clamped {
+            samples: clamped,
+            in_colour: fit.channels == Channels::Rgb,
+        });
+    }
+    let copies = fit.settings.replicate;
+    match material.samples() {
+        Some(rows) => scattered_notes(rows, fit, material, &mut notes),
+        None if copies > 1 => notes.push(FitNote::Rotated { copies, drawn: true }),
+        None => {}
+    }
+    if let (Some(found), Some(search)) = (found, &fit.settings.search) {
+        search_notes(found, search.terms, material.samples().is_some(), &mut notes);
+    }
+    let (rows, texels) = (fit.rows, fit.last().unknowns);
+    if rows < texels {
+        notes.push(FitNote::FewRows { rows, texels });
+    }
+    if fit.terms.iter().any(|term| term.held_out.is_none()) {
+        notes.push(FitNote::NothingHeldOut);
+    }
+    let Albedo { reference, model } = fit.albedo;
+    if model > 1.0 {
+        notes.push(FitNote::GainsEnergy { model, reference });
+    } else if let Some(reference) = reference
+        && !(0.8..=1.25).contains(&(model / reference))
+    {
+        notes.push(FitNote::AlbedoOff { model, reference, factored: true });
+    }
+    notes
+}
+
+/// What scattered rows were turned into, and what they cannot tell.
+fn scattered_notes(
+    rows: &SampleSet,
+    fit: &FactoredFit,
+    material: &Material<'_>,
+    notes: &mut Vec<FitNote>,
+) {
+    let copies = fit.settings.replicate;
+    notes.push(if copies > 1 {
+        FitNote::Rotated { copies, drawn: false }
+    } else if rows.has_one_light_azimuth() {
+        FitNote::AsMeasured
+    } else {
+        FitNote::NotTakenIsotropic
+    });
+    if fit.settings.reciprocal {
+        notes.push(FitNote::SharedTextures);
+    }
+    if fit.terms.iter().all(|term| term.held_out.is_some()) {
+        notes.push(FitNote::Folds);
+    }
+    let incidences = summarize(rows).incidences;
+    if incidences < FEW_INCIDENCES {
+        notes.push(FitNote::FewIncidences { incidences });
+    }
+    let coverage = coverage(material, fit.settings.params.theta_max);
+    if coverage < SPARSE {
+        notes.push(FitNote::Sparse { coverage });
+    }
+}
+
+/// How the projections came about, where that bears on the figures.
+fn search_notes(found: &Found, asked: usize, scattered: bool, notes: &mut Vec<FitNote>) {
+    if let Some(cause) = found.outcome.stopped {
+        notes.push(FitNote::SearchStopped { cause, found: found.outcome.terms.len(), asked });
+    }
+    let tried = found.tried.iter();
+    let tried: Vec<(Space, bool, f64)> =
+        tried.filter_map(|t| Some((t.space, t.reciprocal, t.validation?))).collect();
+    if !tried.is_empty() {
+        notes.push(FitNote::Chosen { tried, on_rows: scattered });
+    }
+    if scattered {
+        notes.push(FitNote::SearchedWithAllRows);
+    }
+}
+
+/// Share of direction pairs within the grazing limit that have a row nearby.
+fn coverage(material: &Material<'_>, theta_max: f64) -> f64 {
+    let sampling = PairSampling { count: 4_000, seed: 1, theta_max };
+    let covered = sampling.pairs().filter(|pair| material.brdf().has_data(pair)).count();
+    let share = covered as f64 / f64::from(sampling.count);
+    share
+}

@@ -1,0 +1,66 @@
+//! Fits of materials by every method of the project, judged on samples that were not fitted.
+//!
+//! [`fit`] takes a [`Material`] (anything that answers to [`Brdf`](brdf_model::Brdf), or scattered samples), settings
+//! and a [`Job`](brdf_job::Job), and returns a model with its errors, the settings that were used, and typed notes on
+//! what a reader of the numbers should know. Nothing here reads files, prints, or knows of options.
+//!
+//! What is held out, what families of projections are compared on, and how scattered rows are split, is the
+//! [protocol](fit#protocol) of [`fit`]. [`compare`] judges models by one reference.
+//!
+//! ```
+//! use brdf_fit::{Fit, FitSettings, FactoredMethod, FactoredSettings, Material, fit};
+//! use brdf_job::Job;
+//! use brdf_model::Preset;
+//!
+//! let paint = Preset::find("lafortune-blue-paint").expect("a preset").brdf();
+//! let settings = FactoredSettings { samples: 5_000, ..FactoredSettings::of(FactoredMethod::McCool) };
+//! let fit = fit(&Material::new("blue paint", &paint), &FitSettings::Factored(settings), &Job::new())?;
+//! let errors = fit.held_out().expect("pairs that were not fitted");
+//! assert!(errors.log.mean_square < 0.05);
+//! assert!(fit.bytes() < 30_000 && matches!(fit, Fit::Factored(_)));
+//! # Ok::<(), brdf_fit::FitError>(())
+//! ```
+
+mod compare;
+mod distribution;
+mod error;
+mod factored;
+mod fit;
+mod material;
+mod measures;
+mod method;
+mod note;
+mod preinvert;
+mod record;
+mod report;
+mod search;
+mod separable;
+mod spectrum;
+mod training;
+
+pub use compare::{Candidate, CompareSettings, Comparison, compare, metric_lights};
+pub use distribution::{Distribution, FolderComparison, MeasureDistribution};
+pub use error::FitError;
+pub use factored::{
+    FactoredFit, FactoredMethod, FactoredModel, FactoredSettings, Reciprocity, fit_factored,
+};
+pub use fit::{Fit, FitSettings, fit};
+pub use material::Material;
+pub use measures::{Measure, ModelMeasures, PictureMeasures};
+pub use method::{Method, SeparableMap, StrategyKind};
+pub use note::FitNote;
+pub use preinvert::{Basis, preinvert};
+pub use record::{
+    Albedo, BasisRecord, FactoredRecord, FitSettingsRecord, RankRecord, SearchSettingsRecord,
+    SeparableRecord, SeparableSettingsRecord, TermRecord,
+};
+pub use report::{
+    BaselineReport, FactoredEvaluation, FactoredReport, MatrixReport, SamplesReport, SearchReport,
+    SeparableEvaluation, SeparableReport, SolveReport, Tried,
+};
+pub use search::{FixedFactors, SearchSettings, Strategy};
+pub use separable::{
+    LogChoice, SeparableFit, SeparableMethod, SeparableModel, SeparableSettings, fit_separable,
+};
+pub use spectrum::{RankErrors, light_view_spectrum, rank_errors};
+pub use training::HELD_OUT_PAIRS;

@@ -1,0 +1,167 @@
+//! What is fitted, what is held out, and what choices are made on.
+
+use brdf_factor::{
+    CrossValidation, FactorError, FactorParams, FactorSpec, Fit, LogTransform, cross_validate,
+};
+use brdf_model::{
+    Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, log_offsets, measure,
+};
+use brdf_factor::Coordinate;
+use brdf_param::Projection;
+
+use crate::material::Material;
+use crate::record::{FitSettingsRecord, TermRecord};
+
+/// Pairs of the held-out set of a material that can be drawn from.
+pub const HELD_OUT_PAIRS: u32 = 20_000;
+/// Parts that scattered rows are split into.
+const FOLDS: usize = 10;
+
+/// Training samples, before and after replication, and how errors on unseen ones are found.
+pub(crate) struct Training {
+    pub(crate) rows: SampleSet,
+    pub(crate) fitted: SampleSet,
+    held_out: HeldOut,
+}
+
+enum HeldOut {
+    Drawn(SampleSet),
+    Folds(CrossValidation),
+}
+
+/// Samples to search with, and to choose a family by.
+pub(crate) struct SearchSamples {
+    /// All that is fitted.
+    pub(crate) fitted: SampleSet,
+    /// What families are compared on, and what is fitted for that: neither is held out, nor do they
+    /// overlap.
+    pub(crate) choice: Option<Choice>,
+}
+
+pub(crate) struct Choice {
+    pub(crate) fitted: SampleSet,
+    pub(crate) unseen: SampleSet,
+    /// The fitted samples are all there are, so that the winner need not be searched again.
+    pub(crate) is_complete: bool,
+}
+
+impl Training {
+    pub(crate) fn new(
+        material: &Material<'_>,
+        channels: Channels,
+        settings: &FitSettingsRecord,
+    ) -> Self {
+        let theta_max = settings.params.theta_max;
+        if let Some(rows) = material.samples() {
+            let rows = match channels {
+                Channels::Luminance => rows.to_luminance(),
+                Channels::Rgb => rows.clone(),
+            }
+            .within(theta_max);
+            let rows = fit_for(settings.params.log_map, rows);
+            let folds = CrossValidation {
+                folds: FOLDS,
+                rotations: settings.replicate,
+                // Twins would repeat the equations that shared textures already make.
+                reciprocal: false,
+                seed: settings.seed,
+            };
+            let fitted = rows.replicated(folds.rotations, folds.reciprocal);
+            return Self { rows, fitted, held_out: HeldOut::Folds(folds) };
+        }
+        let sampling = PairSampling { count: settings.samples, seed: settings.seed, theta_max };
+        let rows = SampleSet::draw(material.brdf(), &sampling, channels);
+        let rows = fit_for(settings.params.log_map, rows);
+        let fitted = rows.replicated(settings.replicate, false);
+        let seed = ScrambledSobol::held_out_seed(settings.seed);
+        let held_out = HeldOut::Drawn(drawn(material, channels, seed, theta_max));
+        Self { rows, fitted, held_out }
+    }
+
+    /// Samples for a search: measured rows in random order, so that a part of them is fair, and a
+    /// part set aside where there are several families to choose among.
+    pub(crate) fn for_search(
+        &self,
+        material: &Material<'_>,
+        channels: Channels,
+        settings: &FitSettingsRecord,
+        families: usize,
+    ) -> SearchSamples {
+        // No more copies of rows than there would be drawn pairs: planes do not need them.
+        let fair =
+            |rows: SampleSet| rows.shuffled(settings.seed).subset(settings.samples as usize);
+        let fitted = match &self.held_out {
+            HeldOut::Drawn(_) => self.fitted.clone(),
+            HeldOut::Folds(_) => fair(self.fitted.clone()),
+        };
+        let seed = ScrambledSobol::validation_seed(settings.seed);
+        let choice = (families > 1).then(|| match &self.held_out {
+            HeldOut::Drawn(_) => {
+                let unseen = drawn(material, channels, seed, settings.params.theta_max);
+                Choice { fitted: fitted.clone(), unseen, is_complete: true }
+            }
+            HeldOut::Folds(folds) => {
+                let aside = self.rows.folds(FOLDS, seed).swap_remove(0);
+                let rest: Vec<usize> =
+                    (0..self.rows.len()).filter(|i| aside.binary_search(i).is_err()).collect();
+                let rest = self.rows.select(&rest).replicated(folds.rotations, folds.reciprocal);
+                let unseen = self.rows.select(&aside);
+                Choice { fitted: fair(rest), unseen, is_complete: false }
+            }
+        });
+        SearchSamples { fitted, choice }
+    }
+
+    pub(crate) fn record(
+        &self,
+        fit: &Fit,
+        specs: &[FactorSpec],
+        params: &FactorParams,
+    ) -> Result<TermRecord, FactorError> {
+        let offsets = log_offsets(&self.fitted);
+        let held_out: Option<FitErrors> = match &self.held_out {
+            HeldOut::Drawn(unseen) => {
+                (!unseen.is_empty()).then(|| measure(unseen, &fit.model, &offsets))
+            }
+            HeldOut::Folds(folds) => cross_validate(&self.rows, specs, params, folds)?,
+        };
+        Ok(TermRecord {
+            textures: fit.model.factors().len(),
+            projections: projections(specs),
+            // Rotated copies of a row repeat its error but for the texel grid; the rows suffice.
+            training: measure(&self.rows, &fit.model, &offsets),
+            held_out,
+        })
+    }
+}
+
+/// [`HELD_OUT_PAIRS`] pairs of a scramble.
+pub(crate) fn drawn(
+    material: &Material<'_>,
+    channels: Channels,
+    seed: u64,
+    theta_max: f64,
+) -> SampleSet {
+    let sampling = PairSampling { count: HELD_OUT_PAIRS, seed, theta_max };
+    SampleSet::draw(material.brdf(), &sampling, channels)
+}
+
+/// The projection of each factor that has one.
+fn projections(specs: &[FactorSpec]) -> Vec<Projection> {
+    let first = specs.iter().filter_map(|spec| spec.coordinates.first());
+    first
+        .filter_map(|coordinate| match coordinate {
+            Coordinate::Projected { projection, .. } => Some(*projection),
+            _ => None,
+        })
+        .collect()
+}
+
+/// The rows that a log map can take: dropped before they are copied, so that rows are counted and
+/// not copies, and so that training errors are of what was fitted.
+fn fit_for(log_map: LogTransform, rows: SampleSet) -> SampleSet {
+    match log_map {
+        LogTransform::Log => rows.positive(),
+        LogTransform::Offset | LogTransform::Highlight => rows,
+    }
+}

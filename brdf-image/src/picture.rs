@@ -1,0 +1,152 @@
+//! Pictures that people make: PNG, JPEG and EXR with opacity, as linear values.
+
+use std::io::Cursor;
+
+use brdf_model::srgb_to_linear;
+use image::{DynamicImage, ImageReader, Limits};
+
+use crate::exr::{exr_error, exr_size, read_exr_layer};
+use crate::{ImageError, LONGEST_SIDE, check_claim};
+
+/// A picture with opacity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RgbaPicture {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear red, green and blue, not multiplied by opacity, and opacity; row by row from the top.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+/// The channels of an EXR image by name, each row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrPlanes {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Name and values.
+    pub channels: Vec<(String, Vec<f32>)>,
+}
+
+impl ExrPlanes {
+    /// Returns the values of a channel.
+    pub fn channel(&self, name: &str) -> Option<&[f32]> {
+        let found = self.channels.iter().find(|(own, _)| own == name);
+        found.map(|(_, values)| values.as_slice())
+    }
+}
+
+/// Most bytes that a decoded picture may take.
+const MOST_BYTES: u64 = 2 << 30;
+
+/// Returns the picture of a PNG or JPEG of 8 or 16 bits, taken as sRGB, or of a linear EXR. Without opacity all of it
+/// is opaque.
+///
+/// # Errors
+///
+/// [`ImageError`] for anything else.
+pub fn decode_picture(bytes: &[u8]) -> Result<RgbaPicture, ImageError> {
+    if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        decode_exr_picture(bytes)
+    } else {
+        decode_display_picture(bytes)
+    }
+}
+
+fn decode_exr_picture(bytes: &[u8]) -> Result<RgbaPicture, ImageError> {
+    let planes = exr_planes(bytes)?;
+    let grey = planes.channel("Y");
+    let colour = |name: &str| {
+        planes.channel(name).or(grey).ok_or_else(|| ImageError::Channel {
+            channel: name.to_owned(),
+            expected: "R, G, B, or Y, and perhaps A",
+        })
+    };
+    let (red, green, blue) = (colour("R")?, colour("G")?, colour("B")?);
+    let alpha = planes.channel("A");
+    // EXR holds colours times coverage.
+    let pixels = (0..planes.width * planes.height).map(|at| {
+        let a = alpha.map_or(1.0, |alpha| alpha[at]);
+        let scale = if a > 0.0 { a.recip() } else { 0.0 };
+        [scale * red[at], scale * green[at], scale * blue[at], a]
+    });
+    Ok(RgbaPicture { width: planes.width, height: planes.height, pixels: pixels.collect() })
+}
+
+fn decode_display_picture(bytes: &[u8]) -> Result<RgbaPicture, ImageError> {
+    let refused = ImageError::coder("picture (PNG, JPEG or EXR)");
+    let reader = || {
+        ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| refused(error.to_string()))
+    };
+    let size = reader()?.into_dimensions().map_err(|error| refused(error.to_string()))?;
+    check_claim(bytes.len(), [size.0 as usize, size.1 as usize])?;
+    let mut limits = Limits::default();
+    let side = u32::try_from(LONGEST_SIDE).unwrap_or(u32::MAX);
+    (limits.max_image_width, limits.max_image_height) = (Some(side), Some(side));
+    limits.max_alloc = Some(MOST_BYTES);
+    let mut reader = reader()?;
+    reader.limits(limits);
+    let image: DynamicImage = reader.decode().map_err(|error| refused(error.to_string()))?;
+    let image = image.into_rgba16();
+    let scaled = |value: u16| f32::from(value) / f32::from(u16::MAX);
+    let pixels = image.pixels().map(|pixel| {
+        let [r, g, b, a] = pixel.0.map(scaled);
+        [srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b), a]
+    });
+    Ok(RgbaPicture {
+        width: image.width() as usize,
+        height: image.height() as usize,
+        pixels: pixels.collect(),
+    })
+}
+
+/// Returns the channels of an EXR image.
+///
+/// # Errors
+///
+/// [`ImageError`] for what is no EXR image, or has subsampled channels.
+pub fn exr_planes(bytes: &[u8]) -> Result<ExrPlanes, ImageError> {
+    let [width, height] = exr_size(bytes)?;
+    check_claim(bytes.len(), [width, height])?;
+    let layer = read_exr_layer(bytes)?;
+    let channels: Vec<(String, Vec<f32>)> = layer
+        .channel_data
+        .list
+        .iter()
+        .map(|channel| {
+            (channel.name.to_string(), channel.sample_data.values_as_f32().collect::<Vec<f32>>())
+        })
+        .collect();
+    match channels.iter().find(|(_, values)| values.len() != width * height) {
+        Some((name, _)) => Err(exr_error(format!("channel {name} is subsampled"))),
+        None => Ok(ExrPlanes { width, height, channels }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encode_exr;
+
+    #[test]
+    fn pictures_are_linear_and_keep_their_coverage() {
+        let channels = [
+            ("A", vec![1.0, 0.0]),
+            ("B", vec![1.0, 0.0]),
+            ("G", vec![0.5, 0.0]),
+            ("R", vec![0.25, 0.0]),
+        ];
+        let exr = decode_picture(&encode_exr(2, 1, &channels).unwrap()).unwrap();
+        assert_eq!(exr.pixels, [[0.25, 0.5, 1.0, 1.0], [0.0; 4]]);
+        let mut png = Vec::new();
+        let rgba = image::RgbaImage::from_raw(2, 1, vec![188, 188, 188, 255, 9, 9, 9, 0]).unwrap();
+        rgba.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
+        let read = decode_picture(&png).unwrap();
+        assert!((read.pixels[0][0] - 0.5).abs() < 0.01 && read.pixels[1][3] == 0.0, "{read:?}");
+        assert!(decode_picture(b"no picture").is_err() && exr_planes(&png).is_err());
+    }
+}

@@ -1,0 +1,31 @@
+//! Long work that can be watched and stopped.
+//!
+//! Whoever starts the work makes a [`Job`] and passes it by reference; whoever does the work says what it is
+//! doing and how far it is, and asks now and then whether to stop. Nothing here prints, and nothing runs in the
+//! background.
+//!
+//! ```
+//! use brdf_job::{Job, Stopped};
+//!
+//! fn sum_of_squares(count: u64, job: &Job<'_>) -> Result<u64, Stopped> {
+//!     job.begin("adding", count);
+//!     (0..count).try_fold(0, |sum, n| {
+//!         job.check()?;
+//!         job.advance(1);
+//!         Ok(sum + n * n)
+//!     })
+//! }
+//!
+//! let show = |progress: &brdf_job::Progress<'_>| assert!(progress.fraction <= 1.0);
+//! assert_eq!(sum_of_squares(4, &Job::watched_by(&show)), Ok(14));
+//!
+//! let cancel = brdf_job::Cancel::new();
+//! cancel.cancel();
+//! assert!(sum_of_squares(4, &Job::new().with_cancel(&cancel)).is_err());
+//! ```
+
+mod job;
+mod stop;
+
+pub use job::{Job, Progress};
+pub use stop::{Cancel, StopCause, Stopped};

@@ -1,0 +1,164 @@
+//! What fewer terms, or fewer coefficients, do to a picture.
+
+use brdf_image::{Film, Pixel};
+use brdf_job::Job;
+use brdf_mesh::Mesh;
+use brdf_model::Brdf;
+
+use crate::error::RelightError;
+use crate::exact::exact_part;
+use crate::light::{CubeLight, LightRule};
+use crate::raster::{RenderParams, render};
+use crate::ray_packet::Occluder;
+use crate::scene::{Part, RelitScene};
+use crate::store::Transport;
+
+/// What varies. Terms and coefficients are taken from the object's own, largest first.
+#[derive(Clone, Copy)]
+pub enum Vary<'a> {
+    /// The number of terms; brute force takes the exact BRDF.
+    Terms(&'a dyn Brdf),
+    /// The number of wavelet coefficients of each vertex and term; brute force takes the object's terms.
+    Coefficients,
+}
+
+impl std::fmt::Debug for Vary<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Terms(_) => "Terms",
+            Self::Coefficients => "Coefficients",
+        })
+    }
+}
+
+/// Pictures of an object with a number of terms or coefficients, and by brute force.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// One for each number.
+    pub films: Vec<Film>,
+    /// By brute force at each vertex: all light, adaptive rays.
+    pub exact: Film,
+    /// Of pixels that show the object, over the root mean square of the exact picture; one for each number.
+    pub relative_rms: Vec<f64>,
+}
+
+/// Takes pictures with each of some numbers of terms or coefficients, and one by brute force.
+///
+/// # Errors
+///
+/// [`RelightError::Transport`] for a number of terms that the object does not have, and coefficients of an object
+/// that has components of clusters; [`RelightError::Stopped`].
+pub fn sweep(
+    parts: &[Part<'_>],
+    mesh: &Mesh,
+    vary: Vary<'_>,
+    values: &[usize],
+    light: (&CubeLight, LightRule),
+    picture: &RenderParams,
+    job: &Job<'_>,
+) -> Result<Sweep, RelightError> {
+    let [pictures, brute_force] = job.split([0.1, 1.0]);
+    pictures.begin("pictures", values.len() as u64);
+    let lit = light.0.coefficients(light.1);
+    let films = values.iter().map(|value| {
+        pictures.check()?;
+        let (mut relit, parts) = (RelitScene::default(), cut(parts, vary, *value)?);
+        relit.relight(&parts, &lit);
+        if matches!(vary, Vary::Terms(_)) {
+            keep_terms(&parts[0], &mut relit.parts[0], *value);
+        }
+        pictures.advance(1);
+        Ok(render(&parts, &relit, picture).0)
+    });
+    let films = films.collect::<Result<Vec<Film>, RelightError>>()?;
+    let brdf = match vary {
+        Vary::Terms(brdf) => Some(brdf),
+        Vary::Coefficients => None,
+    };
+    let exact = by_brute_force(parts, mesh, brdf, light.0, picture, &brute_force)?;
+    let relative_rms = films.iter().map(|film| relative_rms(film, &exact)).collect();
+    Ok(Sweep { films, exact, relative_rms })
+}
+
+/// The parts with so many coefficients, if that is what varies.
+fn cut<'a>(
+    parts: &[Part<'a>],
+    vary: Vary<'_>,
+    value: usize,
+) -> Result<Vec<Part<'a>>, RelightError> {
+    let refusal = |found: String, expected| RelightError::Transport { found, expected };
+    if matches!(vary, Vary::Terms(_)) {
+        let most = parts.first().map_or(0, |part| part.maps.terms);
+        return match (1..=most).contains(&value) {
+            true => Ok(parts.to_vec()),
+            false => {
+                Err(refusal(format!("{value} of 1 to {most} terms"), "numbers of terms it has"))
+            }
+        };
+    }
+    let cut = parts.iter().map(|part| match &part.transport {
+        Transport::Wavelets(sparse) => {
+            let mut part = part.clone();
+            part.transport = Transport::Wavelets(sparse.largest(value));
+            Ok(part)
+        }
+        Transport::Clusters(_) => {
+            Err(refusal("components of clusters".to_owned(), "wavelets of each vertex"))
+        }
+    });
+    cut.collect()
+}
+
+/// The picture of the exact BRDF, or of the object's own terms where there is none, at vertices.
+fn by_brute_force(
+    parts: &[Part<'_>],
+    mesh: &Mesh,
+    brdf: Option<&dyn Brdf>,
+    light: &CubeLight,
+    picture: &RenderParams,
+    job: &Job<'_>,
+) -> Result<Film, RelightError> {
+    let occluder = Occluder::of(mesh);
+    let mut relit = RelitScene::default();
+    let weights: Vec<f64> = parts
+        .iter()
+        .map(|part| {
+            let vertices = part.surface.positions.len() as f64;
+            vertices
+        })
+        .collect();
+    let jobs = job.split_into(&weights);
+    let parts = parts.iter().zip(&jobs).enumerate().map(|(index, (part, job))| {
+        // The ground's own map is exact.
+        let brdf = brdf.filter(|_| index == 0);
+        let (part, colours) =
+            exact_part(part, mesh, &occluder, brdf, light, picture.camera.eye, job)?;
+        relit.parts.push(colours);
+        Ok(part)
+    });
+    let parts = parts.collect::<Result<Vec<Part<'_>>, RelightError>>()?;
+    Ok(render(&parts, &relit, picture).0)
+}
+
+/// Sets what arrives for further terms to 0.
+fn keep_terms(part: &Part<'_>, arriving: &mut [[f32; 3]], terms: usize) {
+    for vertex in arriving.chunks_exact_mut(part.maps.terms) {
+        vertex[terms..].fill([0.0; 3]);
+    }
+}
+
+/// Of pixels that show an object in both, over the root of the mean square of `wanted`.
+fn relative_rms(found: &Film, wanted: &Film) -> f64 {
+    let pairs = found.pixels().iter().zip(wanted.pixels());
+    let shown = pairs.filter_map(|pair| match pair {
+        (Pixel::Radiance(found, _), Pixel::Radiance(wanted, _)) => {
+            Some((found.channels(), wanted.channels()))
+        }
+        _ => None,
+    });
+    let (apart, whole) = shown.fold((0.0, 0.0), |(apart, whole), (found, wanted)| {
+        let differs = found.iter().zip(wanted).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        (apart + differs, whole + wanted.iter().map(|v| v * v).sum::<f64>())
+    });
+    if whole > 0.0 { (apart / whole).sqrt() } else { 0.0 }
+}

@@ -1,0 +1,69 @@
+//! BRDFs as textures of one texel: linear radiance under irradiance π, with the light's cosine.
+
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use brdf_model::{Brdf, Rgb};
+use brdf_param::DirectionPair;
+use glam::DVec3;
+
+use crate::error::VqError;
+use crate::texels::NodeTable;
+
+/// Bytes of a raw BRDF: 90 × 90 × 180 × 3 numbers of four, as the paper counts.
+pub const RAW_BRDF_BYTES: u64 = 90 * 90 * 180 * 3 * 4;
+/// Least height of a direction at which a BRDF is asked for: on the horizon itself there are no data.
+const HORIZON: f64 = 1e-3;
+
+/// What was changed while a BRDF was tabulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tabulated {
+    /// Pairs of directions that the BRDF has no data for.
+    pub without_data: u64,
+    /// Nodes that came out negative and were set to 0.
+    pub clamped: u64,
+}
+
+/// Adds a BRDF to a table.
+///
+/// # Errors
+///
+/// [`VqError::NotFinite`].
+pub fn tabulate(table: &mut NodeTable, brdf: &dyn Brdf) -> Result<Tabulated, VqError> {
+    let without_data = AtomicU64::new(0);
+    let clamped = table.push(|wi, wo| {
+        let pair = DirectionPair::new(above_horizon(wi), above_horizon(wo));
+        without_data.fetch_add(u64::from(!brdf.has_data(&pair)), Ordering::Relaxed);
+        brdf.eval_unclamped(&pair).channels().map(|f| narrow(f * PI * wi.z))
+    })?;
+    Ok(Tabulated { without_data: without_data.into_inner(), clamped })
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "tables are f32")]
+fn narrow(value: f64) -> f32 {
+    value as f32
+}
+
+fn above_horizon(direction: DVec3) -> DVec3 {
+    DVec3::new(direction.x, direction.y, direction.z.max(HORIZON)).normalize()
+}
+
+/// A BRDF by its radiance under irradiance π.
+#[derive(Clone, Copy, Debug)]
+pub struct RadianceBrdf<F> {
+    /// Of unit directions to the light and to the viewer, linear RGB.
+    pub radiance: F,
+    /// Whether it contains the cosine of the light's polar angle.
+    pub cosine_included: bool,
+}
+
+impl<F: Fn(DVec3, DVec3) -> [f32; 3] + Send + Sync> Brdf for RadianceBrdf<F> {
+    fn eval(&self, pair: &DirectionPair) -> Rgb {
+        if pair.wi.z <= 0.0 || pair.wo.z <= 0.0 {
+            return Rgb::BLACK;
+        }
+        let cosine = if self.cosine_included { pair.wi.z } else { 1.0 };
+        let radiance = (self.radiance)(pair.wi, pair.wo);
+        Rgb::from(radiance.map(|v| f64::from(v.max(0.0)) / (PI * cosine)))
+    }
+}
