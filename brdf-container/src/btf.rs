@@ -4,28 +4,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use btf_vq::{BtfModel, Header, LpcaHeader, LpcaModel, SharedBytes, VqModel};
+use btf_vq::{BtfModel, BtfRecord, Header, LpcaHeader, LpcaModel, SharedBytes, VqModel};
 use safetensors::SafeTensors;
 use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
-use super::{Head, KEY, Kind, VERSION, library, serialize};
-use crate::{FormatError, IoError, MappedFile};
+use brdf_files::{FileError, MappedFile};
 
-/// How a compressed BTF was made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BtfRecord {
-    /// `paper`, `refined` or `lpca`.
-    pub mode: String,
-    /// `mse` or `ssim`, of the paper's mode.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub measure: Option<String>,
-    /// Threshold of the paper's mode.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub epsilon: Option<f32>,
-    /// Bytes of the raw images, as the paper counts.
-    pub raw_bytes: u64,
-}
+use crate::error::ContainerError;
+use crate::head::{Head, KEY, Kind, VERSION, library, serialize};
 
 #[derive(Serialize, Deserialize)]
 struct Record<H> {
@@ -37,7 +24,7 @@ struct Record<H> {
 
 /// A compressed BTF and its file.
 #[derive(Clone, Debug)]
-pub struct BtfModelFile {
+pub struct CompressedBtf {
     /// The model, reading from the mapped file.
     pub model: BtfModel,
     /// How it was made.
@@ -46,20 +33,20 @@ pub struct BtfModelFile {
     pub bytes: usize,
 }
 
-/// The bytes of a compressed BTF's file.
+/// Returns the bytes of a compressed BTF's file.
 ///
 /// # Errors
 ///
-/// [`FormatError::Library`] if they cannot be put together.
-pub fn btf_model_to_bytes(model: &BtfModel, made: &BtfRecord) -> Result<Vec<u8>, FormatError> {
+/// [`ContainerError::Library`] if they cannot be put together.
+pub fn write_btf(model: &BtfModel, made: &BtfRecord) -> Result<Vec<u8>, ContainerError> {
     let made = made.clone();
     let record = match model {
         BtfModel::Vq(model) => {
-            let head = Head { kind: Kind::BtfVq, version: VERSION };
+            let head = Head::of(Kind::BtfVq);
             serde_json::to_string(&Record { head, header: model.header(), made })
         }
         BtfModel::Lpca(model) => {
-            let head = Head { kind: Kind::BtfLpca, version: VERSION };
+            let head = Head::of(Kind::BtfLpca);
             serde_json::to_string(&Record { head, header: model.header(), made })
         }
     };
@@ -72,39 +59,36 @@ pub fn btf_model_to_bytes(model: &BtfModel, made: &BtfRecord) -> Result<Vec<u8>,
     serialize(tensors, record)
 }
 
-/// Opens a compressed BTF. The file is mapped, not read; every index is checked.
+/// Returns a compressed BTF. The file is mapped, not read; every index is checked.
 ///
 /// # Errors
 ///
-/// [`IoError`] for a file that is no compressed BTF, or is not whole and consistent.
-pub fn open_btf_model(path: &Path) -> Result<BtfModelFile, IoError> {
+/// [`FileError`] for a file that is no compressed BTF, or is not whole and consistent.
+pub fn open_compressed_btf(path: &Path) -> Result<CompressedBtf, FileError> {
     let file = Arc::new(MappedFile::open(path)?);
-    parse_btf_model(file).map_err(IoError::format(path))
+    read_btf(file).map_err(FileError::content(path))
 }
 
-/// Reads a compressed BTF from the bytes of its file.
+/// Returns a compressed BTF from the bytes of its file.
 ///
 /// # Errors
 ///
-/// [`FormatError`] for anything that is not whole and consistent.
-pub fn parse_btf_model(file: Arc<MappedFile>) -> Result<BtfModelFile, FormatError> {
+/// [`ContainerError`] for anything that is not whole and consistent.
+pub fn read_btf(file: Arc<MappedFile>) -> Result<CompressedBtf, ContainerError> {
     let bytes: &[u8] = (*file).as_ref();
     let (offset, metadata) =
         SafeTensors::read_metadata(bytes).map_err(|e| library("safetensors", &e))?;
     SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
     let text = metadata.metadata().as_ref().and_then(|m| m.get(KEY)).ok_or_else(not_ours)?;
     let head: Head = serde_json::from_str(text).map_err(|e| library("record", &e))?;
-    if head.version != VERSION {
-        return Err(FormatError::Missing {
-            what: format!("version that can be read ({})", head.version),
-            expected: format!("version {VERSION}"),
-        });
+    if head.version() != VERSION {
+        return Err(ContainerError::Version { found: head.version(), expected: VERSION });
     }
-    let ranges = |names: Vec<String>| -> Result<Vec<_>, FormatError> {
+    let ranges = |names: Vec<String>| -> Result<Vec<_>, ContainerError> {
         let range = |name: &String| {
             let info = metadata.info(name).filter(|info| info.dtype == Dtype::U8);
             let start = offset + 8;
-            let info = info.ok_or_else(|| FormatError::Missing {
+            let info = info.ok_or_else(|| ContainerError::Missing {
                 what: format!("tensor {name} of bytes"),
                 expected: "one for each book of the header".to_owned(),
             })?;
@@ -127,17 +111,17 @@ pub fn parse_btf_model(file: Arc<MappedFile>) -> Result<BtfModelFile, FormatErro
         }
         _ => return Err(not_ours()),
     };
-    Ok(BtfModelFile { model, made, bytes: len })
+    Ok(CompressedBtf { model, made, bytes: len })
 }
 
-fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, FormatError> {
+fn parse<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, ContainerError> {
     serde_json::from_str(text).map_err(|e| library("model record", &e))
 }
 
-fn not_ours() -> FormatError {
-    FormatError::Missing {
+fn not_ours() -> ContainerError {
+    ContainerError::Missing {
         what: "compressed BTF in it".to_owned(),
-        expected: "a file written by `brdf btf compress`".to_owned(),
+        expected: "one that brdf wrote".to_owned(),
     }
 }
 

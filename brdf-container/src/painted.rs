@@ -3,17 +3,14 @@
 use brdf_factor::{
     ChannelTransform, FactorDescription, FactoredBrdf, SurfaceProduct, SurfaceTexture,
 };
-use brdf_paint::{CoefficientMap, Component, PaintParams, PaintedMaterial};
-use brdf_mesh::UvSource;
-use safetensors::SafeTensors;
+use brdf_paint::{CoefficientMap, Component, PaintRecord, PaintedMaterial};
 use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    Head, Kind, VERSION, library, read_factors, read_head, serialize, tensor, tensor_shape, texels,
-};
-use crate::FormatError;
-use crate::bytes::f32_values;
+use crate::error::ContainerError;
+use crate::factored::{read_factors, tensor_shape, texels};
+use crate::head::{Head, Kind, library, read_record, serialize, tensor, tensors_of};
+use brdf_io::f32_values;
 
 /// A painted material and how it came about.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,15 +19,6 @@ pub struct PaintedFile {
     pub material: PaintedMaterial,
     /// How it was made.
     pub record: PaintRecord,
-}
-
-/// How a painted material was made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PaintRecord {
-    /// Options.
-    pub settings: PaintParams,
-    /// Where texture coordinates are from.
-    pub uv: UvSource,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -52,12 +40,12 @@ struct ProductRecord {
     map: Option<(usize, bool)>,
 }
 
-/// The bytes of a painted material's file.
+/// Returns the bytes of a painted material's file.
 ///
 /// # Errors
 ///
-/// [`FormatError::Library`] if they cannot be put together.
-pub fn painted_to_bytes(file: &PaintedFile) -> Result<Vec<u8>, FormatError> {
+/// [`ContainerError::Library`] if they cannot be put together.
+pub fn write_painted(file: &PaintedFile) -> Result<Vec<u8>, ContainerError> {
     let mut tensors: Vec<(String, Vec<usize>, Vec<u8>)> = Vec::new();
     let mut products = Vec::new();
     for (index, Component { coefficients, product }) in file.material.components.iter().enumerate()
@@ -86,7 +74,7 @@ pub fn painted_to_bytes(file: &PaintedFile) -> Result<Vec<u8>, FormatError> {
             map: coefficients.as_ref().map(|map| (map.size, map.wraps)),
         });
     }
-    let head = Head { kind: Kind::Painted, version: VERSION };
+    let head = Head::of(Kind::Painted);
     let limit = file.material.limit;
     let record = Record { head, products, limit, paint: file.record.clone() };
     let record = serde_json::to_string(&record).map_err(|e| library("material record", &e))?;
@@ -96,22 +84,16 @@ pub fn painted_to_bytes(file: &PaintedFile) -> Result<Vec<u8>, FormatError> {
     serialize(views, record)
 }
 
-/// Reads a painted material.
+/// Returns a painted material.
 ///
 /// # Errors
 ///
-/// [`FormatError`] for anything that is not whole and consistent.
-pub fn parse_painted(bytes: &[u8]) -> Result<PaintedFile, FormatError> {
-    let (head, record) = read_head(bytes)?;
-    if !matches!(head.kind, Kind::Painted) {
-        return Err(FormatError::Missing {
-            what: "painted material: this is a container of another kind".to_owned(),
-            expected: "material.safetensors of `brdf paint extract`".to_owned(),
-        });
-    }
+/// [`ContainerError`] for anything that is not whole and consistent.
+pub fn read_painted(bytes: &[u8]) -> Result<PaintedFile, ContainerError> {
+    let record = read_record(bytes, Kind::Painted)?;
     let record: Record =
         serde_json::from_str(&record).map_err(|e| library("material record", &e))?;
-    let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
+    let tensors = tensors_of(bytes)?;
     let components = record.products.into_iter().enumerate().map(|(index, product)| {
         let channels = product.maps.len();
         let name = |at: usize| factor_name(index, at);
@@ -136,16 +118,16 @@ pub fn parse_painted(bytes: &[u8]) -> Result<PaintedFile, FormatError> {
             map.size > 0 && map.values.iter().all(|v| v.is_finite() && *v >= 0.0)
         };
         if !coefficients.as_ref().is_none_or(is_sound) {
-            return Err(FormatError::Missing {
+            return Err(ContainerError::Missing {
                 what: format!("sound texels of {}", map_name(index)),
                 expected: "a map of finite numbers of 0 and above".to_owned(),
             });
         }
         Ok(Component { coefficients, product: SurfaceProduct::new(angular, surface)? })
     });
-    let components = components.collect::<Result<Vec<_>, FormatError>>()?;
+    let components = components.collect::<Result<Vec<_>, ContainerError>>()?;
     if record.limit.iter().any(|limit| !(limit.is_finite() && *limit >= 0.0)) {
-        return Err(FormatError::Missing {
+        return Err(ContainerError::Missing {
             what: "brightest painted value".to_owned(),
             expected: "`limit` of three finite numbers of 0 and above".to_owned(),
         });

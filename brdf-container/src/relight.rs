@@ -3,18 +3,17 @@
 use std::borrow::Cow;
 
 use brdf_relight::{
-    BrdfMaps, Chunk, ClusteredTransport, Codec, Codes, Coding, MapParams, MapStack, Part,
-    PrecomputeParams, SparseTransport, SparseVectors, Surface, Transport,
+    BrdfMaps, Chunk, ClusteredTransport, Codec, Codes, Coding, MapStack, Part, RelightRecord,
+    SparseTransport, SparseVectors, Surface, Transport,
 };
 use bytemuck::Pod;
 use glam::DVec3;
-use safetensors::SafeTensors;
 use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
-use super::{Head, Kind, VERSION, library, read_head, serialize};
-use crate::FormatError;
-use crate::bytes::{Cursor, f32_values};
+use crate::error::ContainerError;
+use crate::head::{Head, Kind, library, read_record, serialize, tensors_of};
+use brdf_io::{Cursor, f32_values};
 
 /// Transport and how it was made; arrays lie in the file's bytes where those are aligned.
 #[derive(Clone, Debug)]
@@ -23,19 +22,6 @@ pub struct RelightFile<'a> {
     pub parts: Vec<Part<'a>>,
     /// How it was made.
     pub record: RelightRecord,
-}
-
-/// How transport was made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RelightRecord {
-    /// The mesh, without its folder.
-    pub mesh: String,
-    /// The material, as it was given, without folders.
-    pub brdf: String,
-    /// How the BRDF was factored.
-    pub maps: MapParams,
-    /// How transport was made.
-    pub precompute: PrecomputeParams,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -47,15 +33,15 @@ struct Record {
     made: RelightRecord,
 }
 
-/// The bytes of transport's file.
+/// Returns the bytes of transport's file.
 ///
 /// # Errors
 ///
-/// [`FormatError::Library`] if they cannot be put together.
-pub fn relight_to_bytes(
+/// [`ContainerError::Library`] if they cannot be put together.
+pub fn write_relight(
     parts: &[Part<'_>],
     record: &RelightRecord,
-) -> Result<Vec<u8>, FormatError> {
+) -> Result<Vec<u8>, ContainerError> {
     #[expect(clippy::cast_possible_truncation, reason = "vertices are stored as f32")]
     let floats = |vectors: &[DVec3]| -> Vec<u8> {
         vectors.iter().flat_map(|v| v.to_array()).flat_map(|v| (v as f32).to_le_bytes()).collect()
@@ -94,7 +80,7 @@ pub fn relight_to_bytes(
             Codes::Scalar(codes) => add("codes", Dtype::U16, &[codes.len()], little(codes)),
         }
     }
-    let head = Head { kind: Kind::Transport, version: VERSION };
+    let head = Head::of(Kind::Transport);
     let terms = parts.iter().map(|part| part.maps.terms).collect();
     let record = serde_json::to_string(&Record { head, terms, made: record.clone() })
         .map_err(|e| library("transport record", &e))?;
@@ -104,22 +90,16 @@ pub fn relight_to_bytes(
     serialize(views, record)
 }
 
-/// Reads transport.
+/// Returns transport.
 ///
 /// # Errors
 ///
-/// [`FormatError`] for anything that is not whole and consistent.
-pub fn parse_relight(bytes: &[u8]) -> Result<RelightFile<'_>, FormatError> {
-    let (head, record) = read_head(bytes)?;
-    if !matches!(head.kind, Kind::Transport) {
-        return Err(FormatError::Missing {
-            what: "transport: this is a container of another kind".to_owned(),
-            expected: "a file of `brdf relight precompute`".to_owned(),
-        });
-    }
+/// [`ContainerError`] for anything that is not whole and consistent.
+pub fn read_relight(bytes: &[u8]) -> Result<RelightFile<'_>, ContainerError> {
+    let record = read_record(bytes, Kind::Transport)?;
     let record: Record =
         serde_json::from_str(&record).map_err(|e| library("transport record", &e))?;
-    let tensors = SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))?;
+    let tensors = tensors_of(bytes)?;
     let parts = record.terms.iter().enumerate().map(|(index, terms)| {
         let array = |name: &str, kind: Dtype, rank: usize| {
             let name = name_of(index, name);
@@ -127,12 +107,12 @@ pub fn parse_relight(bytes: &[u8]) -> Result<RelightFile<'_>, FormatError> {
             if view.dtype() == kind && view.shape().len() == rank {
                 return Ok((view.shape().to_vec(), view.data()));
             }
-            Err(FormatError::Missing {
+            Err(ContainerError::Missing {
                 what: format!("tensor {name} of {kind:?} with {rank} axes"),
                 expected: format!("that instead of {:?} {:?}", view.dtype(), view.shape()),
             })
         };
-        let triples = |name: &str| -> Result<Vec<DVec3>, FormatError> {
+        let triples = |name: &str| -> Result<Vec<DVec3>, ContainerError> {
             let (shape, data) = array(name, Dtype::F32, 2)?;
             if shape[1] != 3 {
                 return Err(library("transport", &format!("{name} of {shape:?}")));
@@ -141,7 +121,7 @@ pub fn parse_relight(bytes: &[u8]) -> Result<RelightFile<'_>, FormatError> {
             let triples = values.as_chunks::<3>().0.iter();
             Ok(triples.map(|v| DVec3::from(v.map(f64::from))).collect())
         };
-        let map = |name: &str| -> Result<MapStack, FormatError> {
+        let map = |name: &str| -> Result<MapStack, ContainerError> {
             let (shape, data) = array(name, Dtype::F32, 3)?;
             if shape[0] != shape[1] {
                 return Err(library("transport", &format!("{name} of {shape:?}")));
@@ -227,10 +207,11 @@ fn mapped<T: Pod + Little>(bytes: &[u8]) -> Cow<'_, [T]> {
     }
 }
 
-/// What is made of a chunk as bytes, for a [`crate::ChunkLog`].
-pub fn chunk_to_bytes(chunk: &Chunk) -> Vec<u8> {
+/// Returns a piece of a precomputation with its number as bytes, for a [`ChunkLog`](brdf_files::ChunkLog).
+pub fn write_piece(number: usize, chunk: &Chunk) -> Vec<u8> {
     let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
-    let mut bytes = count(chunk.weights.len()).to_vec();
+    let mut bytes = (number as u64).to_le_bytes().to_vec();
+    bytes.extend(count(chunk.weights.len()));
     bytes.extend(little(&chunk.weights));
     for vector in &chunk.vectors {
         bytes.extend(count(vector.counts.len()));
@@ -243,13 +224,14 @@ pub fn chunk_to_bytes(chunk: &Chunk) -> Vec<u8> {
     bytes
 }
 
-/// Reads what [`chunk_to_bytes`] made.
+/// Returns what [`write_piece`] wrote.
 ///
 /// # Errors
 ///
-/// [`FormatError::PastEnd`] for bytes that end too early.
-pub fn chunk_from_bytes(bytes: &[u8]) -> Result<Chunk, FormatError> {
+/// [`ContainerError::Format`] for bytes that end too early.
+pub fn read_piece(bytes: &[u8]) -> Result<(usize, Chunk), ContainerError> {
     let mut cursor = Cursor::new(bytes, 0);
+    let number = usize::try_from(cursor.u64("number of the piece")?).unwrap_or(usize::MAX);
     let count = cursor.u32("number of weights")? as usize;
     let weights = read_all(cursor.take(2 * count, "weights")?);
     let mut chunk = Chunk { vectors: Vec::new(), weights };
@@ -262,7 +244,7 @@ pub fn chunk_from_bytes(bytes: &[u8]) -> Result<Chunk, FormatError> {
             codes: read_all(cursor.take(4 * entries, "codes")?),
         });
     }
-    Ok(chunk)
+    Ok((number, chunk))
 }
 
 fn read_all<T: Pod + Little>(bytes: &[u8]) -> Vec<T> {

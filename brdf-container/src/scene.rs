@@ -1,18 +1,16 @@
 //! Scenes to paint: what `scene.toml` says, the buffers of its views, and the pictures that come back.
 
-use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use brdf_paint::{LightSource, PaintView, PaintedImage, PixelSurface, ViewBuffers};
+use brdf_files::{FileError, MappedFile};
+use brdf_image::{decode_picture, encode_exr, exr_planes, exr_size};
 use brdf_mesh::{Camera, UvSource};
-use btf_vq::colour::srgb_to_linear;
+use brdf_paint::{LightSource, PaintView, PaintedImage, PixelSurface, TruthRecord, ViewBuffers};
 use glam::{DVec2, DVec3};
-use image::{DynamicImage, ImageReader, Limits};
 use serde::{Deserialize, Serialize};
 
-use crate::btf::image_size;
-use crate::exr_image::{exr_error, read_exr_layer, write_exr};
-use crate::{FormatError, IoError, MappedFile};
+use crate::error::ContainerError;
+use crate::head::library;
 
 /// What `scene.toml` says.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,16 +25,6 @@ pub struct PaintScene {
     pub views: Vec<PaintView>,
     /// What the pictures show, where they were rendered.
     pub truth: Option<TruthRecord>,
-}
-
-/// A material that pictures were rendered with.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TruthRecord {
-    /// The materials that are blended, as they were given.
-    pub materials: [String; 3],
-    /// What f π was multiplied by.
-    pub scale: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -88,7 +76,6 @@ fn has_shadows() -> bool {
 const MAX_VIEWS: usize = 1000;
 /// Largest picture.
 const MAX_SIDE: usize = 16_384;
-const MAX_BYTES: u64 = 2 << 30;
 
 impl RawView {
     fn of(view: &PaintView) -> Self {
@@ -110,8 +97,8 @@ impl RawView {
         }
     }
 
-    fn view(self) -> Result<PaintView, FormatError> {
-        let refuse = |what: &str, expected: &str| FormatError::Missing {
+    fn view(self) -> Result<PaintView, ContainerError> {
+        let refuse = |what: &str, expected: &str| ContainerError::Missing {
             what: format!("{what} of view {:?}", self.name),
             expected: expected.to_owned(),
         };
@@ -153,9 +140,9 @@ impl RawView {
     }
 }
 
-fn views(raw: Vec<RawView>) -> Result<Vec<PaintView>, FormatError> {
+fn views(raw: Vec<RawView>) -> Result<Vec<PaintView>, ContainerError> {
     if raw.is_empty() || raw.len() > MAX_VIEWS {
-        return Err(FormatError::Missing {
+        return Err(ContainerError::Missing {
             what: format!("usable list of views ({} of them)", raw.len()),
             expected: format!("1 to {MAX_VIEWS} entries [[view]]"),
         });
@@ -164,7 +151,7 @@ fn views(raw: Vec<RawView>) -> Result<Vec<PaintView>, FormatError> {
     let mut names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
     names.sort_unstable();
     match names.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(FormatError::Missing {
+        Some(pair) => Err(ContainerError::Missing {
             what: format!("name for each view: {} occurs twice", pair[0]),
             expected: "different names".to_owned(),
         }),
@@ -172,16 +159,16 @@ fn views(raw: Vec<RawView>) -> Result<Vec<PaintView>, FormatError> {
     }
 }
 
-/// Reads `scene.toml`.
+/// Returns what the text of `scene.toml` says.
 ///
 /// # Errors
 ///
-/// [`FormatError::Library`] for wrong syntax, [`FormatError::Missing`] for cameras or lights that cannot be.
-pub fn read_scene(text: &str) -> Result<PaintScene, FormatError> {
+/// [`ContainerError::Library`] for wrong syntax, [`ContainerError::Missing`] for cameras or lights that cannot be.
+pub fn read_scene(text: &str) -> Result<PaintScene, ContainerError> {
     let raw: RawScene = toml::from_str(text).map_err(|e| library("scene", &e.message()))?;
     let [width, height] = raw.size;
     if ![width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
-        return Err(FormatError::Missing {
+        return Err(ContainerError::Missing {
             what: format!("usable size ({width} × {height})"),
             expected: format!("1 to {MAX_SIDE} pixels along each side"),
         });
@@ -190,24 +177,24 @@ pub fn read_scene(text: &str) -> Result<PaintScene, FormatError> {
     Ok(PaintScene { mesh, uv, size, views: views(view)?, truth })
 }
 
-/// Reads a list of views: entries `[[view]]` with `name`, `eye`, `target`, `up`, `fov_deg` across the picture, and
+/// Returns a list of views: entries `[[view]]` with `name`, `eye`, `target`, `up`, `fov_deg` across the picture, and
 /// `light_direction` or `light_position`, in axes of the mesh; perhaps `white`, linear RGB (default 1), and `shadows`
 /// (default true).
 ///
 /// # Errors
 ///
 /// As [`read_scene`].
-pub fn read_views(text: &str) -> Result<Vec<PaintView>, FormatError> {
+pub fn read_views(text: &str) -> Result<Vec<PaintView>, ContainerError> {
     let raw: RawViews = toml::from_str(text).map_err(|e| library("views", &e.message()))?;
     views(raw.view)
 }
 
-/// The text of `scene.toml`.
+/// Returns the text of `scene.toml`.
 ///
 /// # Errors
 ///
-/// [`FormatError::Library`] if it cannot be written.
-pub fn scene_to_toml(scene: &PaintScene) -> Result<String, FormatError> {
+/// [`ContainerError::Library`] if it cannot be written.
+pub fn write_scene(scene: &PaintScene) -> Result<String, ContainerError> {
     let raw = RawScene {
         mesh: scene.mesh.clone(),
         uv: scene.uv,
@@ -235,13 +222,13 @@ const BUFFERS: [&str; 13] = [
     "wo.Z",
 ];
 
-/// The buffers of a view as an EXR image of f32 channels: `mask`, `normal.X` … in axes of the mesh, `wi.X` …
+/// Returns the buffers of a view as an EXR image of f32 channels: `mask`, `normal.X` … in axes of the mesh, `wi.X` …
 /// and `wo.X` … in the frame of the surface, `u`, `v`, and `irradiance`, 0 in shadow.
 ///
 /// # Errors
 ///
-/// [`FormatError::Library`] if the encoder refuses.
-pub fn buffers_to_exr(buffers: &ViewBuffers) -> Result<Vec<u8>, FormatError> {
+/// [`ContainerError::Image`] if the encoder refuses.
+pub fn write_buffers(buffers: &ViewBuffers) -> Result<Vec<u8>, ContainerError> {
     let values = |surface: &PixelSurface| -> [f64; 13] {
         let PixelSurface { normal: n, wi, wo, uv, irradiance } = surface;
         [*irradiance, 1.0, n.x, n.y, n.z, uv.x, uv.y, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]
@@ -255,150 +242,189 @@ pub fn buffers_to_exr(buffers: &ViewBuffers) -> Result<Vec<u8>, FormatError> {
             (*name, buffers.pixels.iter().map(|pixel| of(pixel) as f32).collect())
         })
         .collect();
-    write_exr(buffers.width, buffers.height, &channels)
+    Ok(encode_exr(buffers.width, buffers.height, &channels)?)
 }
 
-/// Reads the buffers of a view whose pictures have `size` columns and rows.
+/// Returns the buffers of a view whose pictures have `size` columns and rows.
 ///
 /// # Errors
 ///
-/// [`IoError::File`]; [`IoError::Format`] for an image of another size or without these channels.
-pub fn read_buffers(path: &Path, size: [usize; 2]) -> Result<ViewBuffers, IoError> {
-    let bytes = MappedFile::open(path)?;
-    let read = || {
-        let [width, height] = image_size(&bytes)?;
-        if [width, height] != size {
-            return Err(FormatError::Missing {
-                what: format!("buffers of the scene's size: {width} × {height} pixels"),
-                expected: format!("{} × {}", size[0], size[1]),
-            });
-        }
-        let (width, height, channels) = read_exr(&bytes)?;
-        let planes: Vec<&Vec<f32>> = BUFFERS
-            .iter()
-            .map(|wanted| {
-                let found = channels.iter().find(|(name, _)| name == wanted);
-                found.map(|(_, values)| values).ok_or_else(|| FormatError::Missing {
-                    what: format!("channel `{wanted}`"),
-                    expected: "buffers as `brdf paint setup` writes them".to_owned(),
-                })
-            })
-            .collect::<Result<_, _>>()?;
-        let pixels = (0..width * height).map(|at| {
-            let value = |plane: usize| f64::from(planes[plane][at]);
-            let vector =
-                |plane: usize| DVec3::new(value(plane), value(plane + 1), value(plane + 2));
-            let surface = PixelSurface {
-                normal: vector(2),
-                wi: vector(7).normalize_or_zero(),
-                wo: vector(10).normalize_or_zero(),
-                uv: DVec2::new(value(5), value(6)).clamp(DVec2::ZERO, DVec2::ONE),
-                irradiance: value(0),
-            };
-            let is_sound = surface.uv.is_finite() && surface.irradiance.is_finite();
-            (value(1) > 0.5 && is_sound).then_some(surface)
+/// [`ContainerError`] for an image of another size or without these channels.
+pub fn read_buffers(bytes: &[u8], size: [usize; 2]) -> Result<ViewBuffers, ContainerError> {
+    let [width, height] = exr_size(bytes)?;
+    if [width, height] != size {
+        return Err(ContainerError::Missing {
+            what: format!("buffers of the scene's size: {width} × {height} pixels"),
+            expected: format!("{} × {}", size[0], size[1]),
         });
-        Ok(ViewBuffers { width, height, pixels: pixels.collect() })
-    };
-    read().map_err(IoError::format(path))
+    }
+    let image = exr_planes(bytes)?;
+    let planes: Vec<&[f32]> = BUFFERS
+        .iter()
+        .map(|wanted| {
+            image.channel(wanted).ok_or_else(|| ContainerError::Missing {
+                what: format!("channel `{wanted}`"),
+                expected: "buffers as a scene has them".to_owned(),
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    let pixels = (0..width * height).map(|at| {
+        let value = |plane: usize| f64::from(planes[plane][at]);
+        let vector = |plane: usize| DVec3::new(value(plane), value(plane + 1), value(plane + 2));
+        let surface = PixelSurface {
+            normal: vector(2),
+            wi: vector(7).normalize_or_zero(),
+            wo: vector(10).normalize_or_zero(),
+            uv: DVec2::new(value(5), value(6)).clamp(DVec2::ZERO, DVec2::ONE),
+            irradiance: value(0),
+        };
+        let is_sound = surface.uv.is_finite() && surface.irradiance.is_finite();
+        (value(1) > 0.5 && is_sound).then_some(surface)
+    });
+    Ok(ViewBuffers { width, height, pixels: pixels.collect() })
 }
 
-/// A picture in linear RGB with coverage as an EXR image.
+/// Returns a picture in linear RGB with coverage as an EXR image.
 ///
 /// # Errors
 ///
-/// [`FormatError::Library`] if the encoder refuses.
-pub fn painting_to_exr(image: &PaintedImage) -> Result<Vec<u8>, FormatError> {
+/// [`ContainerError::Image`] if the encoder refuses.
+pub fn write_painting(image: &PaintedImage) -> Result<Vec<u8>, ContainerError> {
     let channel = |at: usize| image.pixels.iter().map(|pixel| pixel[at]).collect();
     let channels = [("A", channel(3)), ("B", channel(2)), ("G", channel(1)), ("R", channel(0))];
-    write_exr(image.width, image.height, &channels)
+    Ok(encode_exr(image.width, image.height, &channels)?)
 }
 
-/// Reads a picture: PNG or JPEG of 8 or 16 bits, taken as sRGB, or linear EXR. Without opacity all of it counts
-/// as painted.
+/// Returns a picture: PNG or JPEG of 8 or 16 bits, taken as sRGB, or linear EXR. Without opacity all of it counts as
+/// painted.
 ///
 /// # Errors
 ///
-/// [`IoError::File`]; [`IoError::Format`] for anything else.
-pub fn read_painting(path: &Path) -> Result<PaintedImage, IoError> {
-    let bytes = MappedFile::open(path)?;
-    let is_exr = bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]);
-    let read = if is_exr { parse_exr_painting(&bytes) } else { parse_painting(&bytes) };
-    read.map_err(IoError::format(path))
+/// [`ContainerError::Image`] for anything else.
+pub fn read_painting(bytes: &[u8]) -> Result<PaintedImage, ContainerError> {
+    let picture = decode_picture(bytes)?;
+    Ok(PaintedImage { width: picture.width, height: picture.height, pixels: picture.pixels })
 }
 
-fn parse_exr_painting(bytes: &[u8]) -> Result<PaintedImage, FormatError> {
-    let (width, height, channels) = read_exr(bytes)?;
-    let plane = |wanted: &str| channels.iter().find(|(name, _)| name == wanted).map(|(_, v)| v);
-    let grey = plane("Y");
-    let colour = |name: &str| {
-        plane(name).or(grey).ok_or_else(|| FormatError::Missing {
-            what: format!("channel `{name}`"),
-            expected: "R, G, B, or Y, and perhaps A".to_owned(),
-        })
-    };
-    let (red, green, blue) = (colour("R")?, colour("G")?, colour("B")?);
-    let alpha = plane("A");
-    // EXR holds colours times coverage.
-    let pixels = (0..width * height).map(|at| {
-        let a = alpha.map_or(1.0, |alpha| alpha[at]);
-        let scale = if a > 0.0 { a.recip() } else { 0.0 };
-        [scale * red[at], scale * green[at], scale * blue[at], a]
-    });
-    Ok(PaintedImage { width, height, pixels: pixels.collect() })
+/// The painting of a view: its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Painting {
+    /// Which of the scene's views.
+    pub view: usize,
+    /// Where the picture is.
+    pub picture: PathBuf,
 }
 
-fn parse_painting(bytes: &[u8]) -> Result<PaintedImage, FormatError> {
-    image_size(bytes)?;
-    let refused =
-        |problem: String| FormatError::Library { what: "picture (PNG, JPEG or EXR)", problem };
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|error| refused(error.to_string()))?;
-    let mut limits = Limits::default();
-    let side = u32::try_from(MAX_SIDE).unwrap_or(u32::MAX);
-    (limits.max_image_width, limits.max_image_height) = (Some(side), Some(side));
-    limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
-    let image: DynamicImage = reader.decode().map_err(|error| refused(error.to_string()))?;
-    let image = image.into_rgba16();
-    let scaled = |value: u16| f32::from(value) / f32::from(u16::MAX);
-    let pixels = image.pixels().map(|pixel| {
-        let [r, g, b, a] = pixel.0.map(scaled);
-        [srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b), a]
-    });
-    Ok(PaintedImage {
-        width: image.width() as usize,
-        height: image.height() as usize,
-        pixels: pixels.collect(),
-    })
+/// A folder with a scene, its buffers and its paintings.
+#[derive(Clone, Debug)]
+pub struct SceneFolder {
+    root: PathBuf,
+    /// What `scene.toml` says.
+    pub scene: PaintScene,
 }
 
-type Planes = (usize, usize, Vec<(String, Vec<f32>)>);
+/// The paintings of a folder, and what is not one.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Paintings {
+    /// One for each view that has a painting, in the order of the views.
+    pub painted: Vec<Painting>,
+    /// Names of views without one.
+    pub missing: Vec<String>,
+    /// Files of no view.
+    pub strange: Vec<PathBuf>,
+    /// Two paintings of one view: which is meant is not known.
+    pub doubled: Option<[PathBuf; 2]>,
+}
 
-/// The channels of an EXR image.
-fn read_exr(bytes: &[u8]) -> Result<Planes, FormatError> {
-    let [width, height] = image_size(bytes)?;
-    let layer = read_exr_layer(bytes)?;
-    let channels = layer.channel_data.list.iter();
-    let planes = channels.map(|channel| {
-        (channel.name.to_string(), channel.sample_data.values_as_f32().collect::<Vec<f32>>())
-    });
-    let planes: Vec<(String, Vec<f32>)> = planes.collect();
-    match planes.iter().find(|(_, values)| values.len() != width * height) {
-        Some((name, _)) => Err(exr_error(format!("channel {name} is subsampled"))),
-        None => Ok((width, height, planes)),
+impl SceneFolder {
+    /// Opens a folder.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`]; its content as of [`read_scene`].
+    pub fn open(root: &Path) -> Result<Self, FileError> {
+        let path = root.join("scene.toml");
+        let text = std::fs::read_to_string(&path).map_err(FileError::file(&path, "reading"))?;
+        let scene = read_scene(&text).map_err(FileError::content(&path))?;
+        Ok(Self { root: root.to_owned(), scene })
+    }
+
+    /// Returns the folder of the paintings.
+    pub fn painted(&self) -> PathBuf {
+        self.root.join("painted")
+    }
+
+    /// Returns the paintings that are there: files named as views, PNG, JPEG or EXR.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError::File`] for a folder that cannot be read.
+    pub fn paintings(&self) -> Result<Paintings, FileError> {
+        let pictures = files_in(&self.painted())?;
+        let mut found = Paintings::default();
+        for (index, view) in self.scene.views.iter().enumerate() {
+            let own: Vec<&PathBuf> =
+                pictures.iter().filter(|path| is_of(path, &view.name)).collect();
+            match &own[..] {
+                [] => found.missing.push(view.name.clone()),
+                [picture] => {
+                    found.painted.push(Painting { view: index, picture: (*picture).clone() });
+                }
+                [first, second, ..] => {
+                    found.doubled = Some([(*first).clone(), (*second).clone()]);
+                }
+            }
+        }
+        let views = &self.scene.views;
+        found.strange = pictures
+            .iter()
+            .filter(|path| !views.iter().any(|view| is_of(path, &view.name)))
+            .cloned()
+            .collect();
+        Ok(found)
+    }
+
+    /// Returns a painting and the buffers of its view, white as the view says.
+    ///
+    /// # Errors
+    ///
+    /// [`FileError`].
+    pub fn load(&self, painting: &Painting) -> Result<(ViewBuffers, PaintedImage), FileError> {
+        let view = &self.scene.views[painting.view];
+        let path = self.root.join("buffers").join(format!("{}.exr", view.name));
+        let buffers = read_buffers(&MappedFile::open(&path)?, self.scene.size)
+            .map_err(FileError::content(&path))?;
+        let image = read_painting(&MappedFile::open(&painting.picture)?)
+            .map_err(FileError::content(&painting.picture))?;
+        Ok((buffers, image.balanced(view.white)))
     }
 }
 
-fn library(what: &'static str, problem: &dyn std::fmt::Display) -> FormatError {
-    FormatError::Library { what, problem: problem.to_string() }
+/// Files of a folder, in order; none if it is not there.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let refused = || FileError::file(folder, "looking into");
+    let entries = std::fs::read_dir(folder).map_err(refused())?;
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| entry.map(|e| e.path())).collect::<Result<_, _>>().map_err(refused())?;
+    paths.retain(|path| path.is_file());
+    paths.sort();
+    Ok(paths)
+}
+
+/// Whether a file is the painting of a view.
+fn is_of(path: &Path, view: &str) -> bool {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let is_picture = ending.is_some_and(|e| ["png", "jpg", "jpeg", "exr"].contains(&e.as_str()));
+    is_picture && path.file_stem().is_some_and(|stem| stem == view)
 }
 
 #[cfg(test)]
 mod tests {
-    use brdf_paint::vertex_views;
     use brdf_mesh::{Mesh, Soup};
+    use brdf_paint::vertex_views;
 
     use super::*;
 
@@ -422,15 +448,12 @@ mod tests {
             views,
             truth: None,
         };
-        let again = read_scene(&scene_to_toml(&scene).unwrap()).unwrap();
+        let again = read_scene(&write_scene(&scene).unwrap()).unwrap();
         assert_eq!(again.views.len(), 12);
         for (a, b) in scene.views.iter().zip(&again.views) {
             let [a, b] = [a, b].map(|view| ViewBuffers::of(&mesh, view, 16, 16));
-            let bytes = buffers_to_exr(&a).unwrap();
-            let folder = tempfile::tempdir().unwrap();
-            let path = folder.path().join("b.exr");
-            std::fs::write(&path, bytes).unwrap();
-            let read = read_buffers(&path, [16; 2]).unwrap();
+            let bytes = write_buffers(&a).unwrap();
+            let read = read_buffers(&bytes, [16; 2]).unwrap();
             for ((a, b), read) in a.pixels.iter().zip(&b.pixels).zip(&read.pixels) {
                 assert_eq!((a.is_some(), b.is_some()), (read.is_some(), read.is_some()));
                 if let (Some(a), Some(b), Some(read)) = (a, b, read) {
@@ -465,19 +488,13 @@ mod tests {
     }
 
     #[test]
-    fn paintings_are_linear_and_keep_their_coverage() {
+    fn paintings_come_back() {
         let image = PaintedImage {
             width: 2,
             height: 1,
             pixels: vec![[0.25, 0.5, 1.0, 1.0], [0.0, 0.0, 0.0, 0.0]],
         };
-        let exr = parse_exr_painting(&painting_to_exr(&image).unwrap()).unwrap();
-        assert_eq!(exr, image);
-        let mut png = Vec::new();
-        let rgba = image::RgbaImage::from_raw(2, 1, vec![188, 188, 188, 255, 9, 9, 9, 0]).unwrap();
-        rgba.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
-        let read = parse_painting(&png).unwrap();
-        assert!((read.pixels[0][0] - 0.5).abs() < 0.01 && read.pixels[1][3] == 0.0, "{read:?}");
-        assert!(parse_painting(b"no picture").is_err() && parse_exr_painting(&png).is_err());
+        assert_eq!(read_painting(&write_painting(&image).unwrap()).unwrap(), image);
+        assert!(read_painting(b"no picture").is_err());
     }
 }

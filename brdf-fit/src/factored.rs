@@ -159,9 +159,7 @@ impl FactoredSettings {
         };
         FitSettingsRecord {
             params: FactorParams {
-                texture_size: self
-                    .texture_size
-                    .unwrap_or(if search.is_some() { 24 } else { 32 }),
+                texture_size: self.texture_size.unwrap_or(if search.is_some() { 24 } else { 32 }),
                 bound: self.bound,
                 smoothing: self.smoothing,
                 log_map: self.log_transform,
@@ -373,9 +371,10 @@ pub fn fit_factored(
     baseline_job.advance(1);
     let model = &fits[fits.len() - 1].model;
     let albedo = Albedo {
-        reference: material.samples().is_none().then(|| {
-            largest_albedo(channels.of(material.brdf()).as_ref(), model.theta_max()).0
-        }),
+        reference: material
+            .samples()
+            .is_none()
+            .then(|| largest_albedo(channels.of(material.brdf()).as_ref(), model.theta_max()).0),
         model: largest_albedo(model, model.theta_max()).0,
     };
     let searched = found.as_ref().map_or(0, |f| f.tried.iter().map(|t| t.evaluations).sum());
@@ -450,10 +449,7 @@ fn notes(fit: &FactoredFit, material: &Material<'_>, found: Option<&Found>) -> V
     let mut notes = Vec::new();
     let clamped = fit.last().clamped;
     if clamped > 0 {
-        notes.push(FitNote::Clamped {
-            samples: clamped,
-            in_colour: fit.channels == Channels::Rgb,
-        });
+        notes.push(FitNote::Clamped { samples: clamped, in_colour: fit.channels == Channels::Rgb });
     }
     let copies = fit.settings.replicate;
     match material.samples() {

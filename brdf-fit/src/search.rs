@@ -127,8 +127,7 @@ impl SearchSettings {
 
     /// The families to choose among.
     pub(crate) fn families(&self, reciprocal: &[bool]) -> Vec<Family> {
-        let fixed =
-            |reciprocal| self.fixed.map_or_else(Vec::new, |fixed| fixed.specs(reciprocal));
+        let fixed = |reciprocal| self.fixed.map_or_else(Vec::new, |fixed| fixed.specs(reciprocal));
         self.spaces
             .iter()
             .flat_map(|&space| {

@@ -1,12 +1,12 @@
 //! What is fitted, what is held out, and what choices are made on.
 
+use brdf_factor::Coordinate;
 use brdf_factor::{
     CrossValidation, FactorError, FactorParams, FactorSpec, Fit, LogTransform, cross_validate,
 };
 use brdf_model::{
     Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, log_offsets, measure,
 };
-use brdf_factor::Coordinate;
 use brdf_param::Projection;
 
 use crate::material::Material;
@@ -88,8 +88,7 @@ impl Training {
         families: usize,
     ) -> SearchSamples {
         // No more copies of rows than there would be drawn pairs: planes do not need them.
-        let fair =
-            |rows: SampleSet| rows.shuffled(settings.seed).subset(settings.samples as usize);
+        let fair = |rows: SampleSet| rows.shuffled(settings.seed).subset(settings.samples as usize);
         let fitted = match &self.held_out {
             HeldOut::Drawn(_) => self.fitted.clone(),
             HeldOut::Folds(_) => fair(self.fitted.clone()),

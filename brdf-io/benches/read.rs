@@ -4,7 +4,7 @@
 
 use std::hint::black_box;
 
-use brdf_io::{ReadOptions, merl_to_bytes, parse_measurement, samples_to_csv};
+use brdf_io::{ReadOptions, read, write_merl, write_samples};
 use brdf_model::{Channels, MerlTable, PairSampling, Preset, SampleSet};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -12,9 +12,9 @@ fn reading(c: &mut Criterion) {
     let paint = Preset::ALL[0].brdf();
     let sampling = PairSampling { count: 45_000, seed: 1, theta_max: 80_f64.to_radians() };
     let files = [
-        ("MERL table", merl_to_bytes(&MerlTable::tabulate(&paint))),
+        ("MERL table", write_merl(&MerlTable::tabulate(&paint))),
         ("CSV, 45,000 rows", {
-            samples_to_csv(&SampleSet::draw(&paint, &sampling, Channels::Rgb)).into_bytes()
+            write_samples(&SampleSet::draw(&paint, &sampling, Channels::Rgb)).into_bytes()
         }),
     ];
     let mut group = c.benchmark_group("reading");
@@ -22,7 +22,7 @@ fn reading(c: &mut Criterion) {
     for (name, bytes) in &files {
         group.throughput(Throughput::Bytes(bytes.len() as u64));
         group.bench_function(*name, |b| {
-            b.iter(|| parse_measurement(black_box(bytes), &ReadOptions::default()));
+            b.iter(|| read(black_box(bytes), &ReadOptions::default()));
         });
     }
     group.finish();

@@ -14,7 +14,18 @@ use crate::note::ReadNote;
 
 const PARAM_IN: &str = "ISOTROPIC_TL_TV_PROJ_DPHI";
 
-/// Reads samples, and a note on what the file does not say.
+/// Reads the samples of an ALTA text file, and notes on what the file does not say.
+///
+/// Values are in sr⁻¹ without the cosine; where the header says that they hold the cosine of the viewer, it is
+/// divided out.
+///
+/// ```
+/// let text = "#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n0.5 0.5 0.0 0.2\n";
+/// let (samples, notes) = brdf_io::read_alta(text)?;
+/// assert_eq!(samples.values(), [[0.2]]);
+/// assert!(notes.is_empty());
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 ///
 /// # Errors
 ///

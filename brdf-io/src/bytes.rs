@@ -2,7 +2,15 @@
 
 use crate::FormatError;
 
-/// A place in a byte slice that only moves forward, and never past the end.
+/// A reading position in a byte slice, which only moves forward and never past the end.
+///
+/// ```
+/// let mut cursor = brdf_io::Cursor::new(&[2, 0, 7], 0);
+/// assert_eq!(cursor.u16("the count")?, 2);
+/// assert_eq!(cursor.offset(), 2);
+/// assert!(cursor.u32("the first value").is_err(), "one byte is left");
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Cursor<'a> {
     bytes: &'a [u8],
@@ -10,17 +18,17 @@ pub struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// Returns a cursor at an offset.
+    /// Returns a cursor at the offset `at`, in bytes.
     pub fn new(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at }
     }
 
-    /// Returns the offset of the next byte.
+    /// Returns the offset of the next byte, from the start of the slice.
     pub fn offset(&self) -> usize {
         self.at
     }
 
-    /// Returns the next `len` bytes, of what a message calls `what`.
+    /// Returns the next `len` bytes and moves past them; `what` names them in the error.
     ///
     /// # Errors
     ///
@@ -31,7 +39,7 @@ impl<'a> Cursor<'a> {
         Ok(taken)
     }
 
-    /// Returns the next bytes as an array.
+    /// Returns the next `N` bytes as an array and moves past them.
     ///
     /// # Errors
     ///
@@ -42,7 +50,7 @@ impl<'a> Cursor<'a> {
         Ok(array)
     }
 
-    /// Returns the next number, little-endian.
+    /// Returns the next byte and moves past it.
     ///
     /// # Errors
     ///
@@ -51,7 +59,7 @@ impl<'a> Cursor<'a> {
         self.array::<1>(what).map(|[byte]| byte)
     }
 
-    /// Returns the next number, little-endian.
+    /// Returns the next two bytes as a little-endian number and moves past them.
     ///
     /// # Errors
     ///
@@ -60,7 +68,7 @@ impl<'a> Cursor<'a> {
         self.array(what).map(u16::from_le_bytes)
     }
 
-    /// Returns the next number, little-endian.
+    /// Returns the next four bytes as a little-endian number and moves past them.
     ///
     /// # Errors
     ///
@@ -69,7 +77,7 @@ impl<'a> Cursor<'a> {
         self.array(what).map(u32::from_le_bytes)
     }
 
-    /// Returns the next number, little-endian.
+    /// Returns the next eight bytes as a little-endian number and moves past them.
     ///
     /// # Errors
     ///
@@ -92,12 +100,16 @@ pub(crate) fn slice<'a>(
         .ok_or_else(|| FormatError::PastEnd { offset, what: what.to_owned(), length: bytes.len() })
 }
 
-/// Returns the f64 values of little-endian bytes; a remainder is left out.
+/// Returns the `f64` values of little-endian bytes; up to seven bytes that remain are left out.
 pub fn f64_values(bytes: &[u8]) -> impl ExactSizeIterator<Item = f64> + '_ {
     bytes.as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk))
 }
 
-/// Returns the f32 values of little-endian bytes; a remainder is left out.
+/// Returns the `f32` values of little-endian bytes; up to three bytes that remain are left out.
+///
+/// ```
+/// assert_eq!(brdf_io::f32_values(&[0, 0, 128, 63, 9]), [1.0]);
+/// ```
 pub fn f32_values(bytes: &[u8]) -> Vec<f32> {
     bytes.as_chunks::<4>().0.iter().map(|chunk| f32::from_le_bytes(*chunk)).collect()
 }

@@ -11,7 +11,7 @@ use crate::spectrum::SpectrumToRgb;
 /// Most wavelengths a file may have.
 const MAX_WAVELENGTHS: usize = 4096;
 
-/// Spectral samples as colours.
+/// Spectral samples turned into colours, with the wavelengths they had.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectra {
     /// Linear RGB samples.
@@ -22,7 +22,16 @@ pub struct Spectra {
     pub moved_into_gamut: usize,
 }
 
-/// Reads samples; colours outside the gamut are moved into it and counted.
+/// Reads the samples of a Cornell file as linear RGB; colours outside the gamut are moved into it and counted.
+///
+/// ```
+/// // Two wavelengths in nanometres, then one row: four angles in radians and two values in sr⁻¹.
+/// let spectra = brdf_io::read_cornell("# a grey material\n2\n400 700\n0.5 0 0.5 3.14 0.2 0.2\n")?;
+/// assert_eq!(spectra.wavelengths, [400.0, 700.0]);
+/// assert!((spectra.samples.rgb(0).g - 0.2).abs() < 1e-9);
+/// assert_eq!(spectra.moved_into_gamut, 0);
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
 
-/// The formats that are known, whether or not their readers are built in.
+/// The file formats that [`detect`] knows, whether or not their readers are built in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -26,7 +26,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// What people call it.
+    /// Returns the name that people know the format by, for example "MERL binary".
     pub fn name(self) -> &'static str {
         match self {
             Self::Merl => "MERL binary",
@@ -40,7 +40,15 @@ impl Format {
     }
 }
 
-/// The format of a file's content.
+/// Returns the format of a file's content. The file's name plays no part.
+///
+/// ```
+/// use brdf_io::{Format, detect};
+///
+/// assert_eq!(detect(b"tensor_file\0\x01\x00")?, Format::Rgl);
+/// assert!(detect(b"").is_err());
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -2,7 +2,12 @@
 
 use brdf_model::ModelError;
 
-/// A problem with the content of a file.
+/// A problem with the content of a file: where it is, what was found, and what was expected.
+///
+/// ```
+/// let error = brdf_io::read(b"\x01\x02\x03", &brdf_io::ReadOptions::default()).unwrap_err();
+/// assert!(error.to_string().starts_with("unknown format"));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
@@ -88,7 +93,7 @@ pub enum FormatError {
     },
 }
 
-/// Returns a text cut to a length that fits into a message, in quotes.
+/// Returns a text in quotes, cut to its first 40 characters so that it fits into a message.
 pub fn quoted(text: &str) -> String {
     let mut cut: String = text.chars().take(40).collect();
     if cut.len() < text.len() {

@@ -1,8 +1,11 @@
-//! Measured BRDF files: bytes in, values out, and back.
+//! Readers and writers of measured BRDF files: MERL, RGL, UTIA, Cornell, ALTA, tables and neural BRDFs.
 //!
-//! Every reader takes bytes, so that it can be tested and fuzzed without files, and checks every count against the
-//! bytes that are there before it allocates. [`read`] recognizes a format by content: extensions of this field
-//! collide. Each format is a feature; all are on by default.
+//! [`read`] takes the bytes of a file and returns the material. It recognizes the format by the content, because file
+//! names don't tell: two databases use `.brdf`, and two use `.bin`. Each format also has a function of its own, such as
+//! [`read_merl`], and a Cargo feature of the same name. All features are on by default.
+//!
+//! No function opens a file. Readers check every count against the bytes that are there before they allocate, so that a
+//! damaged file ends in a [`FormatError`] that says where the problem is.
 //!
 //! ```
 //! use brdf_io::{ReadOptions, read};
@@ -62,3 +65,7 @@ pub use table::{
 };
 #[cfg(feature = "utia")]
 pub use utia::read_utia;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

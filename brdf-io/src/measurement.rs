@@ -11,17 +11,24 @@ use crate::detect::{Format, detect};
 use crate::error::FormatError;
 use crate::note::ReadNote;
 
-/// What the content alone does not say.
+/// Choices that the content of a file does not settle: how a table is interpolated, what its columns mean, which
+/// wavelength or which material of several is wanted.
+///
+/// ```
+/// let options = brdf_io::ReadOptions { wavelength_um: Some(0.633), ..Default::default() };
+/// assert!(options.columns.is_none());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// How MERL tables are read.
+    /// How a MERL table is interpolated; trilinear between the centres of cells by default.
     pub merl_lookup: MerlLookup,
-    /// What the columns of a table mean.
+    /// What the columns of a table mean, for headers whose names carry no unit.
     #[cfg(feature = "table")]
     pub columns: Option<ColumnMap>,
-    /// Which wavelength of a table to take, micrometres.
+    /// The wavelength to take from a table of several, in micrometres; the nearest one is taken, by default to 0.55
+    /// µm.
     pub wavelength_um: Option<f64>,
-    /// Which material of an archive to take.
+    /// The name of the material to take from an archive; needed where the archive holds several.
     pub material: Option<String>,
 }
 
@@ -37,7 +44,7 @@ impl Default for ReadOptions {
     }
 }
 
-/// A material as a file holds it.
+/// A measured material in the form in which its file holds it.
 #[derive(Debug)]
 pub enum Measured {
     /// A MERL table.
@@ -53,7 +60,8 @@ pub enum Measured {
 }
 
 impl Measured {
-    /// Returns the material as a function; scattered samples are interpolated, which is for pictures only.
+    /// Returns the material as a function of two directions. Scattered samples are interpolated, which serves
+    /// pictures only: fit models to [`Measured::samples`] instead.
     pub fn brdf(&self) -> &dyn Brdf {
         match self {
             Self::Merl(table) => table,
@@ -64,7 +72,7 @@ impl Measured {
         }
     }
 
-    /// Returns the rows of a scattered measurement.
+    /// Returns the rows of a scattered measurement, or `None` for tables and networks.
     pub fn samples(&self) -> Option<&SampleSet> {
         match self {
             Self::Samples(scattered) => Some(scattered.samples()),
@@ -72,13 +80,13 @@ impl Measured {
         }
     }
 
-    /// Returns the channels that were measured.
+    /// Returns the channels that were measured, RGB or one.
     pub fn channels(&self) -> Channels {
         self.samples().map_or(Channels::Rgb, SampleSet::channels)
     }
 }
 
-/// A material, the format it came in, and what the reader had to assume.
+/// A measured material, the format it came in, and what the reader had to assume.
 #[derive(Debug)]
 pub struct Measurement {
     /// The format.
@@ -87,11 +95,21 @@ pub struct Measurement {
     pub measured: Measured,
     /// What was assumed, chosen or changed.
     pub notes: Vec<ReadNote>,
-    /// Length of the file.
+    /// Length of the file, in bytes.
     pub bytes: usize,
 }
 
-/// Returns the material that the bytes of a file of any format hold.
+/// Reads a measured material from the bytes of a file, in whichever format [`detect`] finds.
+///
+/// ```
+/// use brdf_io::{Format, ReadOptions, read};
+///
+/// let table = "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,r,g,b\n30,0,30,180,0.5,0.4,0.3\n";
+/// let measurement = read(table.as_bytes(), &ReadOptions::default())?;
+/// assert_eq!(measurement.format, Format::Table);
+/// assert_eq!(measurement.measured.samples().expect("rows").len(), 1);
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -12,7 +12,10 @@ const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 const HEADER: usize = 12;
 const PLANE: usize = MerlTable::CELLS * 8;
 
-/// Reads a table. Negative cells are invalid.
+/// Reads a MERL table of 90 × 90 × 180 cells and scales its values to sr⁻¹. Negative cells are invalid.
+///
+/// Grid and scales are those of the MERL database: W. Matusik, H. Pfister, M. Brand and L. McMillan, *A Data-Driven
+/// Reflectance Model*, 2003.
 ///
 /// # Errors
 ///
@@ -52,7 +55,17 @@ pub fn read_merl(bytes: &[u8], lookup: MerlLookup) -> Result<MerlTable, FormatEr
     Ok(MerlTable::new(cells, lookup)?)
 }
 
-/// The bytes of a table; invalid cells are −1 in every channel, unscaled.
+/// Writes a table as the bytes of a MERL file; invalid cells are −1 in every channel, unscaled.
+///
+/// ```
+/// use brdf_model::{MerlLookup, MerlNodes, MerlTable, Preset};
+///
+/// let table = MerlTable::tabulate(&Preset::find("plastic").expect("a built-in material").brdf());
+/// let bytes = brdf_io::write_merl(&table);
+/// let read = brdf_io::read_merl(&bytes, MerlLookup::Trilinear(MerlNodes::Centre))?;
+/// assert_eq!(read.cells(), table.cells());
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 pub fn write_merl(table: &MerlTable) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(MERL_LENGTH);
     MERL_DIMENSIONS.iter().for_each(|d| bytes.extend(d.to_le_bytes()));

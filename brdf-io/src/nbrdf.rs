@@ -13,7 +13,7 @@ const LONGEST_ENTRY: u64 = 16 << 10;
 /// Most names that a message lists.
 const LISTED: usize = 12;
 
-/// Names of the materials in an archive, in alphabetical order.
+/// Returns the names of the materials in an archive, in alphabetical order.
 ///
 /// # Errors
 ///
@@ -29,7 +29,7 @@ pub fn nbrdf_names(bytes: &[u8]) -> Result<Vec<String>, FormatError> {
     Ok(names)
 }
 
-/// Reads a material of an archive; of an archive of one, no name is needed.
+/// Reads one material of an archive of neural BRDFs. No name is needed where the archive holds a single one.
 ///
 /// # Errors
 ///

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-/// Something that a reader of a file should be told. [`Display`](fmt::Display) says it in a sentence without a full
-/// stop.
+/// An assumption, choice or change that a reader made, which the user of the file should be told.
+///
+/// [`Display`](fmt::Display) says it in a sentence without a full stop.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ReadNote {

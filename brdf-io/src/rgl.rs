@@ -19,7 +19,7 @@ struct Field {
     shape: Vec<usize>,
 }
 
-/// Reads an RGB material, isotropic or anisotropic.
+/// Reads an RGL material with RGB values, isotropic or anisotropic.
 ///
 /// # Errors
 ///

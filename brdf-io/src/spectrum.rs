@@ -22,18 +22,27 @@ const TO_RGB: [[f64; 3]; 3] = [
     [0.055_644_723_393_725_77, -0.204_073_035_388_015_8, 1.057_483_064_149_628_4],
 ];
 
-/// Weights that turn values at given wavelengths into linear RGB (Rec. 709 primaries) as the CIE
-/// 1931 2° observer sees them under D65.
+/// Weights that turn a spectrum at given wavelengths into linear RGB (Rec. 709 primaries), as the CIE 1931 2°
+/// observer sees it under D65.
 ///
 /// Between wavelengths spectra are linear; beyond the first and last they stay constant. A spectrum
 /// of equal values is grey.
+///
+/// ```
+/// use brdf_io::SpectrumToRgb;
+///
+/// let to_rgb = SpectrumToRgb::new(&[400.0, 500.0, 600.0, 700.0]).expect("ascending wavelengths");
+/// let red = to_rgb.rgb(&[0.1, 0.1, 0.5, 0.5]);
+/// assert!(red.r > red.g && red.g > red.b);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectrumToRgb {
     weights: Vec<Rgb>,
 }
 
 impl SpectrumToRgb {
-    /// The weights for ascending wavelengths in nanometres, or `None` unless there are two or more.
+    /// Returns the weights for ascending wavelengths in nanometres, or `None` unless there are two or more, each
+    /// above the last.
     pub fn new(wavelengths: &[f64]) -> Option<Self> {
         if wavelengths.len() < 2 || !wavelengths.windows(2).all(|w| w[0] < w[1]) {
             return None;
@@ -54,8 +63,8 @@ impl SpectrumToRgb {
         Some(Self { weights: raw.into_iter().map(normalized).collect() })
     }
 
-    /// The colour of a spectrum with one value per wavelength, and whether it had to be brought into
-    /// the gamut.
+    /// Returns the colour of a spectrum with one value per wavelength, and whether it had to be moved into the
+    /// gamut.
     ///
     /// A colour whose smallest channel lies below 1 % of its luminance moves towards the grey of the
     /// same luminance until it does not: a channel cut to 0 would be a fit in logarithms' largest
@@ -76,8 +85,8 @@ impl SpectrumToRgb {
         (grey + (colour - grey) * saturation, true)
     }
 
-    /// The colour of a spectrum with one value per wavelength; saturated ones may lie outside the
-    /// gamut, with a negative channel.
+    /// Returns the colour of a spectrum with one value per wavelength; saturated ones may lie outside the gamut,
+    /// with a negative channel.
     pub fn rgb(&self, spectrum: &[f64]) -> Rgb {
         self.weights.iter().zip(spectrum).map(|(&weight, &value)| weight * value).sum()
     }

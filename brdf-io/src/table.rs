@@ -10,7 +10,8 @@ use brdf_param::{DirectionPair, azimuth, polar_angle, spherical_direction};
 use crate::error::{FormatError, quoted};
 use crate::note::ReadNote;
 
-/// What a column means, with its unit. The names are those of the header.
+/// The meaning of one column of a table, with its unit. In headers each has a name, such as `theta_i_deg` or
+/// `value`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// Polar angle of the light.
@@ -33,7 +34,7 @@ pub enum Column {
     Wavelength,
 }
 
-/// Unit of an angle.
+/// Unit of the angles in a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AngleUnit {
     /// Degrees.
@@ -73,9 +74,17 @@ fn known_names() -> String {
     NAMES.map(|(name, _)| name).join(", ")
 }
 
-/// Which column of a file means what, for files whose own names do not say.
+/// The meanings of columns, for files whose own names do not say them.
 ///
-/// Written `meaning=name`, separated by commas: `theta_i_deg=phi_i,value=brdf`.
+/// It is parsed from `meaning=name`, separated by commas.
+///
+/// ```
+/// let map: brdf_io::ColumnMap =
+///     "theta_i_deg=a,phi_i_deg=b,theta_o_deg=c,phi_o_deg=d,value=brdf".parse()?;
+/// let (samples, _) = brdf_io::read_table("a b c d brdf\n30 0 30 180 0.2\n", Some(&map), None)?;
+/// assert_eq!(samples.values(), [[0.2]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnMap(Vec<(Column, String)>);
 
@@ -259,10 +268,18 @@ impl AngleColumns {
     }
 }
 
-/// Reads samples, and notes on what was chosen. Of a table with wavelengths, the rows nearest to
-/// `wavelength_um` are taken, by default nearest to 0.55 µm.
+/// Reads the samples of a table with a header, and notes on what was chosen.
 ///
-/// Negative polar angles are directions on the far side of the normal.
+/// `map` says what the columns mean where their names don't. Of a table with wavelengths, the rows nearest to
+/// `wavelength_um`, in micrometres, are taken; by default those nearest to 0.55 µm. Negative polar angles are
+/// directions on the far side of the normal.
+///
+/// ```
+/// let table = "theta_i_deg phi_i_deg theta_o_deg phi_o_deg value\n-20 0 20 0 0.3\n";
+/// let (samples, _) = brdf_io::read_table(table, None, None)?;
+/// assert!(samples.pair(0).wi.x < 0.0, "on the far side");
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -336,9 +353,17 @@ fn choose_wavelength(
     Ok(nearest)
 }
 
-/// Reads the four angle columns of a table and nothing else, in the order of the rows.
+/// Reads the four angle columns of a table, in the order of its rows, and nothing else.
 ///
-/// Each pair comes with the text of its angles in degrees, as found.
+/// Returns each pair of directions with the text of its four angles in degrees, as found.
+///
+/// ```
+/// let table = format!("{}\n30,0,60,180\n", brdf_io::direction_table_header(false));
+/// let rows = brdf_io::direction_rows(&table)?;
+/// assert_eq!(rows[0].1, "30,0,60,180");
+/// assert!((rows[0].0.wo.z - 0.5).abs() < 1e-12);
+/// # Ok::<(), brdf_io::FormatError>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -369,7 +394,7 @@ pub fn direction_rows(text: &str) -> Result<Vec<(DirectionPair, String)>, Format
         .collect()
 }
 
-/// The header of tables that name directions and, where `values` is set, RGB values.
+/// Returns the header of tables that name directions and, where `values` is set, RGB values.
 pub fn direction_table_header(values: bool) -> &'static str {
     if values {
         "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,r,g,b"
@@ -378,7 +403,18 @@ pub fn direction_table_header(values: bool) -> &'static str {
     }
 }
 
-/// A set of samples as a table; grey samples have one column `value`.
+/// Writes a set of samples as a table, separated by commas, angles in degrees; samples of one channel have one
+/// column `value`.
+///
+/// ```
+/// use brdf_model::{Channels, SampleSet};
+/// use brdf_param::DirectionPair;
+///
+/// let mut samples = SampleSet::new(Channels::Luminance);
+/// samples.push(&DirectionPair::from_angles(0.0, 0.0, 0.0, 0.0), &[0.25]);
+/// let text = brdf_io::write_samples(&samples);
+/// assert!(text.starts_with("theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,value\n"));
+/// ```
 pub fn write_samples(samples: &SampleSet) -> String {
     let mut text = String::from(direction_table_header(false));
     text.push_str(match samples.channels() {

@@ -8,7 +8,7 @@ use crate::detect::UTIA_LENGTH;
 
 const PLANE: usize = UtiaTable::SIDE * UtiaTable::SIDE;
 
-/// Reads a table.
+/// Reads a UTIA table of 288 × 288 direction pairs, RGB in sr⁻¹.
 ///
 /// # Errors
 ///

@@ -47,6 +47,12 @@ pub enum PaintError {
     /// The factorization.
     #[error(transparent)]
     Factor(#[from] FactorError),
+    /// A view that does not show the object.
+    #[error("view {view}: the object is not in the picture")]
+    NotInView {
+        /// Which one.
+        view: String,
+    },
     /// The work was stopped.
     #[error(transparent)]
     Stopped(#[from] brdf_job::Stopped),

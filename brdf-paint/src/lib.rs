@@ -15,10 +15,12 @@ mod coefficient_map;
 mod contradictions;
 mod error;
 mod extract;
+mod learn;
 mod least_squares;
 mod material;
 mod paper;
 pub mod pictures;
+mod prepare;
 mod samples;
 mod truth;
 mod view;
@@ -28,7 +30,12 @@ pub use coefficient_map::CoefficientMap;
 pub use contradictions::Contradictions;
 pub use error::PaintError;
 pub use extract::{Extraction, Mode, PaintLogTransform, PaintParams, SolverChoice, extract};
+pub use learn::{
+    LearnParams, Learned, PaintNote, PaintRecord, PaintReport, PictureInfo, TrainAndHeldOut,
+    TruthRecord, learn, truth_errors,
+};
 pub use material::{Clamped, Component, PaintedMaterial};
+pub use prepare::{Prepared, PreparedView, prepare};
 pub use samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
 pub use truth::GroundTruth;
 pub use view::{LightSource, PaintView, face_views, spiral_views, vertex_views};

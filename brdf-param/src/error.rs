@@ -1,8 +1,8 @@
-//! What can be wrong with a projection or a parametrization.
+//! The errors of projections and parametrizations.
 
 use std::fmt;
 
-/// Errors of this crate.
+/// An error of this crate: rows that make no projection, or an unknown name.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParamError {
@@ -15,9 +15,9 @@ pub enum ParamError {
     },
     /// A projection row holds NaN or an infinity.
     NotFinite {
-        /// 0 or 1.
+        /// Index of the row, 0 or 1.
         row: usize,
-        /// The offending number.
+        /// The number that is not finite.
         value: f64,
     },
     /// A name that no parametrization carries.

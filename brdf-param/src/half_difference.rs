@@ -9,24 +9,36 @@ use glam::DVec3;
 
 use crate::direction::{DirectionPair, azimuth, polar_angle, spherical_direction, wrap_azimuth};
 
-/// Angles of the half vector, and of `wi` in the frame whose pole is the half vector; radians.
+/// Angles of the half vector, and of `wi` in the frame whose pole is the half vector, in radians:
+/// the parametrization of Rusinkiewicz.
 ///
 /// Where `theta_h` = 0, `phi_h` is 0. Where `wi` = `wo`, `theta_d` = 0 and `phi_d` is 0. Opposite
 /// directions take the normal as half vector ([`DirectionPair::half`]).
+///
+/// ```
+/// use brdf_param::{DirectionPair, HalfDifference};
+///
+/// let pair = DirectionPair::from_angles(0.3, 0.4, 0.3, 0.4);
+/// let angles = HalfDifference::from_pair(&pair);
+/// assert!((angles.theta_h - 0.3).abs() < 1e-12, "equal directions are their own half vector");
+/// assert!(angles.theta_d < 1e-7);
+/// assert!(angles.to_pair().wi.distance(pair.wi) < 1e-7);
+/// ```
+#[doc(alias = "Rusinkiewicz")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfDifference {
     /// Angle between half vector and normal, [0, π/2].
     pub theta_h: f64,
-    /// Azimuth of the half vector.
+    /// Azimuth of the half vector, (−π, π].
     pub phi_h: f64,
     /// Angle between half vector and `wi`, [0, π/2].
     pub theta_d: f64,
-    /// Azimuth of `wi` about the half vector.
+    /// Azimuth of `wi` about the half vector, (−π, π].
     pub phi_d: f64,
 }
 
 impl HalfDifference {
-    /// Angles of a pair.
+    /// Returns the angles of a pair.
     pub fn from_pair(pair: &DirectionPair) -> Self {
         let [half, difference] = Self::vectors(pair);
         Self {
@@ -37,7 +49,7 @@ impl HalfDifference {
         }
     }
 
-    /// Half and difference vector of a pair: d = rot(b, −theta_h) rot(n, −phi_h) wi.
+    /// Returns the half vector and the difference vector of a pair: d = rot(b, −theta_h) rot(n, −phi_h) wi.
     pub fn vectors(pair: &DirectionPair) -> [DVec3; 2] {
         let (half, wi) = (pair.half(), pair.wi);
         let (sin_h, cos_h) = (half.truncate().length(), half.z);
@@ -52,7 +64,7 @@ impl HalfDifference {
         [half, difference]
     }
 
-    /// The pair at these angles; one of its directions may lie below the horizon, which
+    /// Returns the pair at these angles; one of its directions may lie below the horizon, which
     /// [`HalfDifference::is_in_domain`] tells.
     pub fn to_pair(&self) -> DirectionPair {
         let half = spherical_direction(self.theta_h, self.phi_h);
@@ -69,7 +81,7 @@ impl HalfDifference {
         DirectionPair::new(wi, wo)
     }
 
-    /// The angles are in range and both directions lie above the horizon, to rounding.
+    /// Returns whether the angles are in range and both directions lie above the horizon, to rounding.
     pub fn is_in_domain(&self) -> bool {
         // The difference vector of opposite directions may pass the quarter turn by rounding.
         let quarter_turn = 0.0..=FRAC_PI_2 + 1e-12;
@@ -78,12 +90,12 @@ impl HalfDifference {
             && self.to_pair().reaches_horizon()
     }
 
-    /// Light and viewer exchanged: `phi_d` + π.
+    /// Returns the angles with light and viewer exchanged: `phi_d` + π.
     pub fn reciprocal(&self) -> Self {
         Self { phi_d: wrap_azimuth(self.phi_d + PI), ..*self }
     }
 
-    /// The same configuration turned about the normal so that `phi_h` = 0.
+    /// Returns the angles of the pair turned about the normal so that `phi_h` = 0.
     pub fn isotropic(&self) -> Self {
         Self { phi_h: 0.0, ..*self }
     }

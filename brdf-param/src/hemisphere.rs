@@ -9,12 +9,22 @@ use serde::{Deserialize, Serialize};
 use crate::direction::{azimuth, polar_angle, spherical_direction};
 
 /// A map between unit directions of the upper hemisphere and points of a plane domain.
+///
+/// ```
+/// use brdf_param::{HemisphereMap, spherical_direction};
+///
+/// let w = spherical_direction(0.7, 2.0);
+/// let point = HemisphereMap::Parabolic.encode(w);
+/// assert!((point.length() - 0.35_f64.tan()).abs() < 1e-15, "the radius is tan(theta/2)");
+/// let back = HemisphereMap::Parabolic.decode(point).expect("the point lies in the unit disc");
+/// assert!(back.distance(w) < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum HemisphereMap {
-    /// (theta, phi) in radians, [0, π/2] × (−π, π].
+    /// Spherical angles `(theta, phi)` in radians, [0, π/2] × (−π, π].
     Spherical,
     /// Paraboloid coordinates `(x, y) / (1 + z)` in the unit disc; radius tan(theta/2).
     ///
@@ -24,7 +34,7 @@ pub enum HemisphereMap {
     ///
     /// Source: Wang, Tran and Luebke 2004, Eq. 7, without their shift to [0, 1].
     OrthographicDisc,
-    /// `(phi / 2π + ½, √(1 − z))` in the unit square; the first coordinate wraps around.
+    /// Equal-area polar coordinates `(phi / 2π + ½, √(1 − z))` in the unit square; the first coordinate wraps around.
     ///
     /// Source: Wang, Tran and Luebke 2004, Eq. 8, whose arctangent is scaled here to a turn and
     /// measured from the tangent.
@@ -32,11 +42,11 @@ pub enum HemisphereMap {
 }
 
 impl HemisphereMap {
-    /// All maps.
+    /// All four maps.
     pub const ALL: [Self; 4] =
         [Self::Spherical, Self::Parabolic, Self::OrthographicDisc, Self::Polar];
 
-    /// The point of a unit direction with z ≥ 0. The azimuth of the pole is 0.
+    /// Returns the point of a unit direction with z ≥ 0. The azimuth of the pole is 0.
     pub fn encode(self, direction: DVec3) -> DVec2 {
         match self {
             Self::Spherical => DVec2::new(polar_angle(direction), azimuth(direction)),
@@ -50,7 +60,8 @@ impl HemisphereMap {
         }
     }
 
-    /// The unit direction of a point, or `None` outside the domain or where it is not finite.
+    /// Returns the unit direction of a point, or `None` outside the domain or where the point is not
+    /// finite.
     ///
     /// Azimuths are taken modulo a turn. A point that lies outside a disc by no more than rounding
     /// (1e-12) counts as lying on its rim.
@@ -77,9 +88,17 @@ impl HemisphereMap {
         }
     }
 
-    /// Solid angle per unit of area at a point of the domain, dω/dA in steradians.
+    /// Returns the solid angle per unit of area at a point of the domain, dω/dA in steradians.
     ///
-    /// Infinite on the rim of the orthographic disc, where a sliver of area is a whole band.
+    /// It is infinite on the rim of the orthographic disc, where the hemisphere is seen edge-on.
+    ///
+    /// ```
+    /// use brdf_param::HemisphereMap;
+    /// use glam::DVec2;
+    ///
+    /// assert_eq!(HemisphereMap::Parabolic.solid_angle_density(DVec2::ZERO), 4.0);
+    /// assert_eq!(HemisphereMap::OrthographicDisc.solid_angle_density(DVec2::ZERO), 1.0);
+    /// ```
     pub fn solid_angle_density(self, point: DVec2) -> f64 {
         match self {
             Self::Spherical => point.x.sin(),
@@ -89,7 +108,7 @@ impl HemisphereMap {
         }
     }
 
-    /// Area of the domain in its own units.
+    /// Returns the area of the domain in its own units: π² (radians squared), π or 1.
     pub fn domain_area(self) -> f64 {
         match self {
             Self::Spherical => PI * PI,

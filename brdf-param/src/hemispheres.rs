@@ -1,5 +1,6 @@
-//! Every parametrization as two points of the unit hemisphere: what a sum of products splits a BRDF
-//! into.
+//! Every parametrization as two points of the unit hemisphere.
+//!
+//! A BRDF as a sum of products is a sum of functions of the first point times functions of the second.
 
 use glam::{DVec2, DVec3, DVec4};
 
@@ -10,7 +11,7 @@ use crate::{
 };
 
 impl Parametrization {
-    /// Names of the two points: what [`Parametrization::hemispheres`] gives.
+    /// Returns the names of the two points that [`Parametrization::hemispheres`] returns.
     pub fn hemisphere_names(self) -> [&'static str; 2] {
         match self {
             Self::Standard => ["wi", "wo"],
@@ -20,8 +21,8 @@ impl Parametrization {
         }
     }
 
-    /// Names of the three coordinates that an isotropic BRDF depends on: both radii, and the azimuth
-    /// between the points.
+    /// Returns the names of the three coordinates that an isotropic BRDF depends on: the radii of both
+    /// points, and the azimuth between them.
     pub fn isotropic_names(self) -> [&'static str; 3] {
         match self {
             Self::Standard => ["theta_i", "theta_o", "phi_o - phi_i"],
@@ -32,11 +33,21 @@ impl Parametrization {
         }
     }
 
-    /// A pair as two points of the unit hemisphere, which carry two coordinates each.
+    /// Returns a pair as two points of the unit hemisphere, which carry two coordinates each.
     ///
     /// Standard: wi, wo. Half/difference and Kautz–McCool: half and difference vector.
     /// Orthographic and hybrid: h̄ and k, whose lengths are the sines of polar angles. Onion slices:
     /// the view, then the light in the frame of the view's azimuth.
+    ///
+    /// ```
+    /// use brdf_param::{DirectionPair, Parametrization};
+    ///
+    /// let pair = DirectionPair::from_angles(0.3, 0.1, 0.9, 2.0);
+    /// let [half, difference] = Parametrization::HalfDifference.hemispheres(&pair);
+    /// assert!(half.distance(pair.half()) < 1e-15);
+    /// let back = Parametrization::HalfDifference.from_hemispheres([half, difference]);
+    /// assert!(back.is_some_and(|back| back.wi.distance(pair.wi) < 1e-12));
+    /// ```
     pub fn hemispheres(self, pair: &DirectionPair) -> [DVec3; 2] {
         match self {
             Self::Standard => [pair.wi, pair.wo],
@@ -58,7 +69,7 @@ impl Parametrization {
         }
     }
 
-    /// The pair at two points of the hemisphere, or `None` where one of its directions would lie
+    /// Returns the pair at two points of the hemisphere, or `None` where one of its directions would lie
     /// below the horizon.
     pub fn from_hemispheres(self, [first, second]: [DVec3; 2]) -> Option<DirectionPair> {
         let polar = |w: DVec3| DVec2::new(crate::polar_angle(w), azimuth(w));
@@ -80,8 +91,10 @@ impl Parametrization {
         self.inverse(Coordinates(DVec4::new(a.x, a.y, b.x, b.y)))
     }
 
-    /// The two points of the same pair turned about the normal so that the first has azimuth 0:
-    /// three coordinates, all that an isotropic BRDF depends on.
+    /// Returns the two points of a pair that is first turned about the normal so that the first point
+    /// has azimuth 0.
+    ///
+    /// Three coordinates remain, all that an isotropic BRDF depends on.
     pub fn isotropic_hemispheres(self, pair: &DirectionPair) -> [DVec3; 2] {
         let [first, second] = match self {
             // The frame of Kautz and McCool is tied to the tangent; turned, it is Rusinkiewicz's.
@@ -101,8 +114,8 @@ impl Parametrization {
         [DVec3::new(first.truncate().length(), 0.0, first.z), second]
     }
 
-    /// The pair at two points of which the first has azimuth 0; see
-    /// [`Parametrization::isotropic_hemispheres`].
+    /// Returns the pair at two points of which the first has azimuth 0, or `None` where one of its
+    /// directions would lie below the horizon; see [`Parametrization::isotropic_hemispheres`].
     pub fn from_isotropic_hemispheres(self, points: [DVec3; 2]) -> Option<DirectionPair> {
         match self {
             Self::KautzMcCool => Self::HalfDifference.from_hemispheres(points),
@@ -110,8 +123,10 @@ impl Parametrization {
         }
     }
 
-    /// The pair of the isotropic slice at polar angles (or, for lengths, their arcsines) of both
-    /// points and the azimuth between them, all in radians.
+    /// Returns the pair at polar angles `first` and `second` of both points and the `azimuth` between
+    /// them, all in radians, or `None` where one of its directions would lie below the horizon.
+    ///
+    /// For coordinates that are lengths, the angles are the arcsines of the lengths.
     pub fn isotropic_pair(self, first: f64, second: f64, azimuth: f64) -> Option<DirectionPair> {
         let points = [spherical_direction(first, 0.0), spherical_direction(second, azimuth)];
         self.from_isotropic_hemispheres(points)

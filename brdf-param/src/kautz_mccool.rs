@@ -15,6 +15,16 @@ use crate::hemisphere::HemisphereMap;
 ///
 /// Next to half vectors along the tangent the frame turns quickly, and directions return with the
 /// rounding error divided by the distance from there.
+///
+/// ```
+/// use brdf_param::{DirectionPair, KautzMcCool};
+///
+/// let pair = DirectionPair::from_angles(0.5, 0.0, 0.5, std::f64::consts::PI);
+/// let point = KautzMcCool::from_pair(&pair);
+/// assert!(point.h.length() < 1e-12, "the half vector is the normal");
+/// assert!((point.d.length() - 0.25_f64.tan()).abs() < 1e-12);
+/// assert!(point.to_pair().is_some_and(|back| back.wi.distance(pair.wi) < 1e-12));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KautzMcCool {
     /// Parabolic coordinates of the half vector, about the normal.
@@ -24,20 +34,20 @@ pub struct KautzMcCool {
 }
 
 impl KautzMcCool {
-    /// Coordinates of a pair.
+    /// Returns the coordinates of a pair.
     pub fn from_pair(pair: &DirectionPair) -> Self {
         let [h, d] = Self::vectors(pair).map(|w| HemisphereMap::Parabolic.encode(w));
         Self { h, d }
     }
 
-    /// Half and difference vector of a pair.
+    /// Returns the half vector and the difference vector of a pair.
     pub fn vectors(pair: &DirectionPair) -> [DVec3; 2] {
         let half = pair.half();
         let (r, s) = tangent_frame(half);
         [half, DVec3::new(r.dot(pair.wi), s.dot(pair.wi), half.dot(pair.wi))]
     }
 
-    /// The pair at these coordinates, or `None` outside the two unit discs.
+    /// Returns the pair at these coordinates, or `None` outside the two unit discs.
     pub fn to_pair(&self) -> Option<DirectionPair> {
         let half = HemisphereMap::Parabolic.decode(self.h)?;
         let difference = HemisphereMap::Parabolic.decode(self.d)?;
@@ -47,20 +57,21 @@ impl KautzMcCool {
         Some(DirectionPair::new(along + across, along - across))
     }
 
-    /// The coordinates lie in their discs and both directions above the horizon, to rounding.
+    /// Returns whether the coordinates lie in their discs and both directions above the horizon, to
+    /// rounding.
     pub fn is_in_domain(&self) -> bool {
         self.to_pair().is_some_and(|pair| pair.reaches_horizon())
     }
 
-    /// Light and viewer exchanged: d → −d.
+    /// Returns the coordinates with light and viewer exchanged: d → −d.
     pub fn reciprocal(&self) -> Self {
         Self { h: self.h, d: -self.d }
     }
 
-    /// The same configuration turned about the normal so that the half vector leans along the
-    /// bitangent: there the frame is as far from its degenerate place, the tangent, as it can be.
+    /// Returns the coordinates of the pair turned about the normal so that the half vector leans along
+    /// the bitangent.
     ///
-    /// The frame is tied to the tangent, so d turns too: this goes through the directions.
+    /// There the frame is as far from its degenerate place, the tangent, as it can be. The frame is tied to the tangent, so d turns too: this goes through the directions.
     /// Coordinates outside the domain are returned as they are.
     pub fn isotropic(&self) -> Self {
         self.to_pair().map_or(*self, |pair| {

@@ -1,8 +1,22 @@
-//! Where a pair of directions lies: maps of the hemisphere to the plane, changes of variables of
-//! the BRDF domain, and linear projections from four dimensions to two.
+//! Coordinates for pairs of directions, the arguments of a BRDF.
 //!
-//! Frame: right-handed, x = tangent, y = bitangent, z = normal. `wi` points to the light, `wo` to
-//! the viewer, both away from the surface and of unit length. Angles are radians.
+//! A BRDF (bidirectional reflectance distribution function) takes a direction to the light, `wi`,
+//! and a direction to the viewer, `wo`. This crate says where such a [`DirectionPair`] lies:
+//!
+//! - [`HemisphereMap`] maps one direction to a point of the plane and back.
+//! - [`Parametrization`] maps a pair to four coordinates and back. Each of the six has a struct of
+//!   its own with named fields: [`Standard`], [`HalfDifference`] (Rusinkiewicz), [`KautzMcCool`],
+//!   [`Orthographic`], [`Hybrid`] and [`OnionSlice`].
+//! - [`Projection`] maps the four coordinates of a [`Space`] linearly to two, so that a BRDF can
+//!   be looked up in textures.
+//!
+//! # Conventions
+//!
+//! Directions are unit vectors that point away from the surface. They are given in a right-handed
+//! local frame: x is the tangent, y the bitangent, z the normal. Angles are in radians. Polar angles
+//! are measured from the normal, azimuths from the tangent towards the bitangent.
+//!
+//! # Example
 //!
 //! ```
 //! use brdf_param::{DirectionPair, HalfDifference};
@@ -41,3 +55,7 @@ pub use parametrization::{Coordinates, Parametrization};
 pub use polygon::{contains_point, convex_hull};
 pub use projection::{Bound, DiscRadii, ParabolicPair, Projection, ScaledProjection, Space};
 pub use standard::Standard;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -10,12 +10,21 @@ use glam::DVec3;
 
 use crate::direction::{DirectionPair, azimuth, polar_angle, spherical_direction};
 
-/// The light at (α, sin β) of the slices that stand across the view azimuth, and the view itself.
+/// The light at (α, sin β) in slices that stand across the view azimuth, and the view itself.
 ///
-/// (α, sin β) is equal-area: dω = dα d(sin β). At the zenith the view's azimuth still fixes the
-/// frame of the light; it is 0 there when it comes from a pair. Next to the poles of the slices,
-/// where cos β comes back through a square root, directions return with the root of the rounding
-/// error.
+/// The map to (α, sin β) is equal-area: dω = dα d(sin β). Where the view is at the zenith, its
+/// azimuth still fixes the frame of the light; coordinates of a pair have azimuth 0 there. Next to the
+/// poles of the slices, cos β comes back through a square root, and directions return with the root of
+/// the rounding error.
+///
+/// ```
+/// use brdf_param::{DirectionPair, OnionSlice};
+///
+/// // The viewer at 0.6 from the normal, the light in the mirror direction.
+/// let pair = DirectionPair::from_angles(0.6, 0.0, 0.6, std::f64::consts::PI);
+/// let slice = OnionSlice::from_pair(&pair);
+/// assert!((slice.alpha + 0.6).abs() < 1e-12 && slice.sin_beta.abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnionSlice {
     /// Angle of the slice from the normal towards the view azimuth, radians, [−π/2, π/2].
@@ -29,14 +38,14 @@ pub struct OnionSlice {
 }
 
 impl OnionSlice {
-    /// Coordinates of a pair, in the frame of its own view azimuth.
+    /// Returns the coordinates of a pair, in the frame of its own view azimuth.
     pub fn from_pair(pair: &DirectionPair) -> Self {
         let phi_v = azimuth(pair.wo);
         let (alpha, sin_beta) = Self::light(pair.wi, phi_v);
         Self { alpha, sin_beta, theta_v: polar_angle(pair.wo), phi_v }
     }
 
-    /// (α, sin β) of a light direction for the view azimuth `phi_v` in radians.
+    /// Returns (α, sin β) of a light direction, α in radians, for the view azimuth `phi_v` in radians.
     ///
     /// On the two poles of the slices, where sin β = ±1, α is 0.
     pub fn light(wi: DVec3, phi_v: f64) -> (f64, f64) {
@@ -47,7 +56,7 @@ impl OnionSlice {
         (alpha, sin_beta)
     }
 
-    /// The pair at these coordinates.
+    /// Returns the pair at these coordinates.
     pub fn to_pair(&self) -> DirectionPair {
         let cos_beta = (1.0 - self.sin_beta * self.sin_beta).max(0.0).sqrt();
         let (sin_alpha, cos_alpha) = self.alpha.sin_cos();
@@ -61,7 +70,7 @@ impl OnionSlice {
         DirectionPair::new(wi, spherical_direction(self.theta_v, self.phi_v))
     }
 
-    /// All coordinates are in range.
+    /// Returns whether all coordinates are in range.
     pub fn is_in_domain(&self) -> bool {
         self.alpha.abs() <= FRAC_PI_2
             && self.sin_beta.abs() <= 1.0
@@ -69,12 +78,12 @@ impl OnionSlice {
             && self.phi_v.is_finite()
     }
 
-    /// Light and viewer exchanged; there is no shorter way than through the directions.
+    /// Returns the coordinates with light and viewer exchanged, by way of the directions.
     pub fn reciprocal(&self) -> Self {
         Self::from_pair(&self.to_pair().swapped())
     }
 
-    /// The same configuration turned about the normal so that `phi_v` = 0.
+    /// Returns the coordinates of the pair turned about the normal so that `phi_v` = 0.
     pub fn isotropic(&self) -> Self {
         Self { phi_v: 0.0, ..*self }
     }

@@ -14,6 +14,15 @@ use crate::hemisphere::HemisphereMap;
 ///
 /// The heights of both directions follow from their tangent-plane parts, so near the horizon they
 /// return with the square root of the rounding error: 1e-8 at the horizon itself.
+///
+/// ```
+/// use brdf_param::{DirectionPair, Orthographic};
+///
+/// let pair = DirectionPair::from_angles(0.5, 0.2, 0.5, 0.2);
+/// let point = Orthographic::from_pair(&pair);
+/// assert!((point.h_length - 0.5_f64.sin()).abs() < 1e-12 && point.k_length < 1e-12);
+/// assert!(point.to_pair().is_some_and(|back| back.wi.distance(pair.wi) < 1e-12));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orthographic {
     /// ‖h̄‖, [0, 1].
@@ -27,7 +36,7 @@ pub struct Orthographic {
 }
 
 impl Orthographic {
-    /// Coordinates of a pair.
+    /// Returns the coordinates of a pair.
     pub fn from_pair(pair: &DirectionPair) -> Self {
         let h = 0.5 * (pair.wi + pair.wo).truncate();
         let k = 0.5 * (pair.wi - pair.wo).truncate();
@@ -39,7 +48,7 @@ impl Orthographic {
         }
     }
 
-    /// The pair at these coordinates (Eq. 3 and 4), or `None` where a direction would leave the
+    /// Returns the pair at these coordinates (Eq. 3 and 4), or `None` where a direction would leave the
     /// hemisphere.
     pub fn to_pair(&self) -> Option<DirectionPair> {
         let h = self.h_length * DVec2::from_angle(self.phi_h);
@@ -48,17 +57,17 @@ impl Orthographic {
         Some(DirectionPair::new(lift(h + k)?, lift(h - k)?))
     }
 
-    /// Both directions exist.
+    /// Returns whether the lengths are not negative and both directions exist.
     pub fn is_in_domain(&self) -> bool {
         self.h_length >= 0.0 && self.k_length >= 0.0 && self.to_pair().is_some()
     }
 
-    /// Light and viewer exchanged: `phi_k` + π.
+    /// Returns the coordinates with light and viewer exchanged: `phi_k` + π.
     pub fn reciprocal(&self) -> Self {
         Self { phi_k: wrap_azimuth(self.phi_k + PI), ..*self }
     }
 
-    /// The same configuration turned about the normal so that `phi_h` = 0.
+    /// Returns the coordinates of the pair turned about the normal so that `phi_h` = 0.
     pub fn isotropic(&self) -> Self {
         Self { phi_h: 0.0, phi_k: wrap_azimuth(self.phi_k - self.phi_h), ..*self }
     }

@@ -11,34 +11,49 @@ use crate::{
     Standard,
 };
 
-/// Four coordinates of a direction pair in the order of [`Parametrization::axes`].
+/// Four coordinates of a direction pair, in the order of [`Parametrization::axes`]; angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinates(pub DVec4);
 
 /// A change of variables of the BRDF domain: a bijection between direction pairs and four
 /// coordinates, up to the degenerate pairs named on each type.
+///
+/// ```
+/// use brdf_param::{DirectionPair, Parametrization};
+///
+/// let pair = DirectionPair::from_angles(0.3, 0.1, 0.9, 2.0);
+/// for parametrization in Parametrization::ALL {
+///     let coordinates = parametrization.forward(&pair);
+///     let back = parametrization.inverse(coordinates).expect("it comes from a pair");
+///     assert!(back.wi.distance(pair.wi) < 1e-12 && back.wo.distance(pair.wo) < 1e-12);
+/// }
+/// let parsed: Parametrization = "half-difference".parse()?;
+/// assert_eq!(parsed.axes(), ["theta_h", "phi_h", "theta_d", "phi_d"]);
+/// # Ok::<(), brdf_param::ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Parametrization {
-    /// [`Standard`].
+    /// Spherical angles of `wi` and `wo`: [`Standard`].
     Standard,
-    /// [`HalfDifference`].
+    /// Spherical angles of the half and the difference vector (Rusinkiewicz): [`HalfDifference`].
     HalfDifference,
+    /// Parabolic coordinates of half and difference vector in the frame of the tangent:
     /// [`KautzMcCool`].
     #[cfg_attr(feature = "serde", serde(rename = "kautz-mccool"))]
     KautzMcCool,
-    /// [`Orthographic`].
+    /// Tangent-plane parts of half and back vector: [`Orthographic`].
     Orthographic,
-    /// [`Hybrid`].
+    /// Tangent-plane part of the half vector, full length of the back vector: [`Hybrid`].
     Hybrid,
-    /// [`OnionSlice`].
+    /// The light in slices across the view azimuth, and the view: [`OnionSlice`].
     OnionSlice,
 }
 
 impl Parametrization {
-    /// All of them.
+    /// All six parametrizations.
     pub const ALL: [Self; 6] = [
         Self::Standard,
         Self::HalfDifference,
@@ -48,7 +63,7 @@ impl Parametrization {
         Self::OnionSlice,
     ];
 
-    /// The name used in files and on the command line.
+    /// Returns the name used in files and on the command line, such as "half-difference".
     pub fn name(self) -> &'static str {
         match self {
             Self::Standard => "standard",
@@ -60,7 +75,7 @@ impl Parametrization {
         }
     }
 
-    /// Names of the four coordinates.
+    /// Returns the names of the four coordinates.
     pub fn axes(self) -> [&'static str; 4] {
         match self {
             Self::Standard => ["theta_i", "phi_i", "theta_o", "phi_o"],
@@ -71,12 +86,12 @@ impl Parametrization {
         }
     }
 
-    /// Coordinates of a pair whose directions are above the horizon.
+    /// Returns the coordinates of a pair whose directions are above the horizon.
     pub fn forward(self, pair: &DirectionPair) -> Coordinates {
         Point::from_pair(self, pair).coordinates()
     }
 
-    /// The pair at these coordinates, or `None` outside the domain.
+    /// Returns the pair at these coordinates, or `None` outside the domain.
     pub fn inverse(self, coordinates: Coordinates) -> Option<DirectionPair> {
         let point = Point::new(self, coordinates);
         if !point.is_in_domain() {
@@ -85,12 +100,12 @@ impl Parametrization {
         point.to_pair()
     }
 
-    /// The coordinates belong to two directions above the horizon.
+    /// Returns whether the coordinates belong to two directions above the horizon.
     pub fn contains(self, coordinates: Coordinates) -> bool {
         coordinates.0.is_finite() && Point::new(self, coordinates).is_in_domain()
     }
 
-    /// The coordinates of the same pair with light and viewer exchanged.
+    /// Returns the coordinates of a pair with light and viewer exchanged, from those of the pair.
     pub fn reciprocal(self, coordinates: Coordinates) -> Coordinates {
         match Point::new(self, coordinates) {
             Point::Standard(p) => Point::Standard(p.reciprocal()),
@@ -103,8 +118,8 @@ impl Parametrization {
         .coordinates()
     }
 
-    /// The coordinates of the same pair turned about the normal to a canonical azimuth: what an
-    /// isotropic BRDF depends on.
+    /// Returns the coordinates of a pair turned about the normal to a canonical azimuth, from those of
+    /// the pair. Pairs that an isotropic BRDF cannot tell apart get the same coordinates.
     pub fn isotropic(self, coordinates: Coordinates) -> Coordinates {
         match Point::new(self, coordinates) {
             Point::Standard(p) => Point::Standard(p.isotropic()),

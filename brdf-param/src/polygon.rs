@@ -2,9 +2,20 @@
 
 use glam::DVec2;
 
-/// The convex hull of a set of points, counter-clockwise, without points on its edges.
+/// Returns the corners of the convex hull of a set of points, counter-clockwise, without points on
+/// its edges.
 ///
-/// Andrew's monotone chain. Fewer than three distinct points come back as they are.
+/// Andrew's monotone chain. Fewer than three distinct points come back sorted, without repeats.
+///
+/// ```
+/// use brdf_param::{contains_point, convex_hull};
+/// use glam::DVec2;
+///
+/// let points = [(0.0, 0.0), (1.0, 0.0), (0.3, 0.3), (0.0, 1.0)].map(DVec2::from);
+/// let hull = convex_hull(&points);
+/// assert_eq!(hull.len(), 3);
+/// assert!(contains_point(&hull, points[2]));
+/// ```
 pub fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     let mut sorted: Vec<DVec2> = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
@@ -18,7 +29,7 @@ pub fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     [open(lower), open(upper)].concat()
 }
 
-/// Whether a point lies inside a counter-clockwise convex polygon or on its rim.
+/// Returns whether a point lies inside a counter-clockwise convex polygon or on its rim.
 pub fn contains_point(polygon: &[DVec2], point: DVec2) -> bool {
     let next = polygon.iter().cycle().skip(1);
     polygon.iter().zip(next).all(|(&a, &b)| (b - a).perp_dot(point - a) >= -1e-12)

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{DirectionPair, HemisphereMap, KautzMcCool, ParamError, convex_hull};
 
-/// The pair of direction vectors that a projection acts on.
+/// The four-dimensional space that a projection acts on: parabolic coordinates of two directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -18,21 +18,22 @@ use crate::{DirectionPair, HemisphereMap, KautzMcCool, ParamError, convex_hull};
 pub enum Space {
     /// Parabolic coordinates of `wi` and `wo`.
     Standard,
-    /// Parabolic coordinates of h and d in the frame of the tangent ([`KautzMcCool`]).
+    /// Parabolic coordinates of half and difference vector in the frame of the tangent
+    /// ([`KautzMcCool`]).
     HalfDifference,
 }
 
-/// Parabolic coordinates of two directions: what a [`Projection`] is applied to.
+/// Parabolic coordinates of two directions, each in the unit disc: the points of a [`Space`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParabolicPair {
-    /// `wi`, or the half vector.
+    /// Of `wi`, or of the half vector.
     pub first: DVec2,
-    /// `wo`, or the difference vector.
+    /// Of `wo`, or of the difference vector.
     pub second: DVec2,
 }
 
 impl Space {
-    /// The name used in files and on the command line.
+    /// Returns the name used in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Standard => "standard",
@@ -40,7 +41,16 @@ impl Space {
         }
     }
 
-    /// Coordinates of a pair in this space.
+    /// Returns the coordinates of a pair in this space.
+    ///
+    /// ```
+    /// use brdf_param::{DirectionPair, Space};
+    ///
+    /// let pair = DirectionPair::from_angles(0.4, 0.0, 1.0, 2.0);
+    /// let point = Space::Standard.coordinates(&pair);
+    /// assert!((point.first.length() - 0.2_f64.tan()).abs() < 1e-15);
+    /// assert!((point.second.length() - 0.5_f64.tan()).abs() < 1e-15);
+    /// ```
     pub fn coordinates(self, pair: &DirectionPair) -> ParabolicPair {
         match self {
             Self::Standard => ParabolicPair {
@@ -55,7 +65,7 @@ impl Space {
     }
 }
 
-/// The largest radius of each coordinate pair, in parabolic units.
+/// The largest radius of each coordinate pair, in parabolic units: tan(theta/2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -67,28 +77,44 @@ pub struct DiscRadii {
 }
 
 impl DiscRadii {
-    /// Two whole hemispheres.
+    /// The radii of two whole hemispheres: 1 and 1.
     pub const UNIT: Self = Self { first: 1.0, second: 1.0 };
 
-    /// The pair that covers both.
+    /// Returns the larger of both radii, for each coordinate pair.
     pub fn max(self, other: Self) -> Self {
         Self { first: self.first.max(other.first), second: self.second.max(other.second) }
     }
 }
 
-/// What the domain of a projection is taken to be when its image is scaled to [−1, 1]².
+/// The set of points that a projection is scaled for, so that their image fills [−1, 1]².
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Bound {
-    /// The product of two discs: r₁√(a² + b²) + r₂√(c² + d²) for a row (a, b, c, d). Exact.
+    /// The product of two discs of radii r₁ and r₂, which is exact. A row (a, b, c, d) reaches
+    /// r₁√(a² + b²) + r₂√(c² + d²).
     Disc,
-    /// The cube [−1, 1]⁴ of the thesis: ‖row‖₁. Looser, so texels are wasted.
+    /// The cube [−1, 1]⁴, as in Cole 2002. A row reaches ‖row‖₁. It is larger than the domain, so
+    /// some texels are never used.
     Cube,
 }
 
-/// Two orthonormal rows of four numbers; in files, a list of two lists.
+/// A linear projection from four dimensions to two: two orthonormal rows of four numbers.
+///
+/// In files it is a list of two lists.
+///
+/// ```
+/// use brdf_param::{Bound, DirectionPair, DiscRadii, Projection, Space};
+///
+/// // A plane halfway between the light and the viewer.
+/// let projection = Projection::from_rows([1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0])?;
+/// let scaled = projection.scaled(Bound::Disc, DiscRadii::UNIT);
+/// let pair = DirectionPair::from_angles(0.5, 0.0, 0.5, 0.0);
+/// let point = scaled.apply(Space::Standard.coordinates(&pair));
+/// assert!((point.x - 0.25_f64.tan()).abs() < 1e-12 && point.y.abs() < 1e-12);
+/// # Ok::<(), brdf_param::ParamError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -98,19 +124,21 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// `wi`, or the half vector in half/difference space.
+    /// The projection onto the first direction: `wi`, or the half vector in half/difference space.
     pub const FIRST: Self = Self { rows: [DVec4::X, DVec4::Y] };
-    /// `wo`, or the difference vector in half/difference space.
+    /// The projection onto the second direction: `wo`, or the difference vector in half/difference
+    /// space.
     pub const SECOND: Self = Self { rows: [DVec4::Z, DVec4::W] };
 
-    /// The projection onto the plane of two independent rows: they are made orthonormal in order
-    /// (Gram–Schmidt), which moves texels but not what the texture can express. Rows that already
-    /// are orthonormal to rounding are taken as they come, so that stored projections return
-    /// unchanged.
+    /// Returns the projection onto the plane of two independent rows.
+    ///
+    /// The rows are made orthonormal in order (Gram–Schmidt), which moves texels but does not change
+    /// what the texture can express. Rows that are orthonormal to rounding are kept as they are, so
+    /// that stored projections return unchanged.
     ///
     /// # Errors
     ///
-    /// [`ParamError::NotFinite`], and [`ParamError::DependentRows`] where the angle between the
+    /// [`ParamError::NotFinite`] where a number is NaN or infinite, and [`ParamError::DependentRows`] where the angle between the
     /// rows is below 1e-6 or a row is zero.
     pub fn from_rows(first: [f64; 4], second: [f64; 4]) -> Result<Self, ParamError> {
         for (row, values) in [first, second].iter().enumerate() {
@@ -134,13 +162,14 @@ impl Projection {
         Ok(Self { rows: [a, (across - across.dot(a) * a).normalize()] })
     }
 
-    /// The orthonormal rows.
+    /// Returns the two orthonormal rows.
     pub fn rows(&self) -> [DVec4; 2] {
         self.rows
     }
 
-    /// The projection that gives, for a pair, what this one gives for the swapped pair: column
-    /// pairs exchanged in standard space, the second pair negated in half/difference space.
+    /// Returns the projection that gives, for a pair, what this one gives for the swapped pair.
+    ///
+    /// Column pairs are exchanged in standard space, the second pair negated in half/difference space.
     pub fn reciprocal_conjugate(&self, space: Space) -> Self {
         let conjugate = |row: DVec4| match space {
             Space::Standard => DVec4::new(row.z, row.w, row.x, row.y),
@@ -149,7 +178,7 @@ impl Projection {
         Self { rows: self.rows.map(conjugate) }
     }
 
-    /// Half the extent of the image of the domain along each row.
+    /// Returns half the extent of the image of the domain along each row.
     ///
     /// [`Bound::Cube`] takes the whole cube and does not look at `radii`.
     pub fn extent(&self, bound: Bound, radii: DiscRadii) -> DVec2 {
@@ -160,12 +189,12 @@ impl Projection {
         DVec2::new(row_extent(self.rows[0]), row_extent(self.rows[1]))
     }
 
-    /// The projection scaled so that its image touches all four sides of [−1, 1]².
+    /// Returns the projection scaled so that its image touches all four sides of [−1, 1]².
     pub fn scaled(&self, bound: Bound, radii: DiscRadii) -> ScaledProjection {
         self.scaled_by(self.extent(bound, radii))
     }
 
-    /// The projection with each row divided by the given extent.
+    /// Returns the projection with each row divided by the extent along it.
     pub fn scaled_by(&self, extent: DVec2) -> ScaledProjection {
         ScaledProjection { rows: [self.rows[0] / extent.x, self.rows[1] / extent.y] }
     }
@@ -182,18 +211,18 @@ pub struct ScaledProjection {
 const RIM_POINTS: u32 = 256;
 
 impl ScaledProjection {
-    /// The two rows.
+    /// Returns the two rows.
     pub fn rows(&self) -> [DVec4; 2] {
         self.rows
     }
 
-    /// Texture coordinates of a point, [−1, 1]² inside the domain.
+    /// Returns the texture coordinates of a point; inside the domain they lie in [−1, 1]².
     pub fn apply(&self, point: ParabolicPair) -> DVec2 {
         let p = DVec4::new(point.first.x, point.first.y, point.second.x, point.second.y);
         DVec2::new(self.rows[0].dot(p), self.rows[1].dot(p))
     }
 
-    /// The outline of the image of the domain, counter-clockwise and convex.
+    /// Returns the corners of the image of the domain, a convex polygon, counter-clockwise.
     pub fn image_polygon(&self, bound: Bound, radii: DiscRadii) -> Vec<DVec2> {
         match bound {
             Bound::Cube => self.cube_image(),

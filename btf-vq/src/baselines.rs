@@ -15,7 +15,8 @@ use crate::{
     AngularGrid, BtfLayout, BtfSource, Encoding, LocalPca, ProjectedTexels, Taps, VqError,
 };
 
-/// Texels that are combinations of a few vectors of their group.
+/// Texels as linear combinations of a few vectors of their group, in `f32`: local principal components or one level
+/// of vector quantization.
 #[derive(Clone, Debug)]
 pub struct Combinations {
     grid: AngularGrid,
@@ -30,7 +31,7 @@ pub struct Combinations {
 }
 
 impl Combinations {
-    /// Local principal components without any rounding.
+    /// Returns the combinations of a fit of local principal components, without any rounding.
     pub fn of_lpca(survey: &ProjectedTexels, fit: &LocalPca) -> Self {
         let components = fit.components();
         let factors = match components {
@@ -47,8 +48,8 @@ impl Combinations {
         }
     }
 
-    /// One level of vector quantization: codes of whole texels in bytes, and for each texel an index and
-    /// a scale of eight bits.
+    /// Returns one level of vector quantization in at most `bytes`: codes of whole texels, a byte a value, and for
+    /// each texel an index and a scale of eight bits.
     ///
     /// # Errors
     ///
@@ -73,7 +74,7 @@ impl Combinations {
         })
     }
 
-    /// All texels for one pair of directions.
+    /// Writes the RGB of all texels for one pair of directions into `out`.
     ///
     /// # Panics
     ///
@@ -115,7 +116,8 @@ fn plain(survey: &ProjectedTexels, vectors: &[f32]) -> Vec<f32> {
     values
 }
 
-/// Principal components of the images of each view: for each, a weight a light and a picture.
+/// Principal components of the images of each view: each component has a weight a light and a picture (Sattler,
+/// Sarlette and Klein 2003).
 #[derive(Clone, Debug)]
 pub struct ViewPca {
     /// Of each view, `[image][image]`: the projection onto its components, row-major.
@@ -123,13 +125,13 @@ pub struct ViewPca {
 }
 
 impl ViewPca {
-    /// Bytes of so many components of every view, a byte a value.
+    /// Returns the bytes that `components` components of every view take, a byte a value.
     pub fn bytes(layout: &BtfLayout, components: usize) -> usize {
         let lights = layout.views.iter().map(|view| view.lights.len());
         lights.map(|lights| components * (lights + 3 * layout.texel_count())).sum()
     }
 
-    /// So many components of every view of a source.
+    /// Fits `components` principal components to the images of every view of a source.
     ///
     /// # Errors
     ///
@@ -145,7 +147,7 @@ impl ViewPca {
         Ok(Self { projections })
     }
 
-    /// All images of a view as its components give them, `[image][texel][rgb]`.
+    /// Returns all images of a view as its components give them, `[image][texel][rgb]`.
     ///
     /// # Errors
     ///

@@ -1,6 +1,10 @@
 //! Rows of entries of a few bits, lowest bit first, read in place.
 
-/// Bits of an index into a book: ⌈log₂ rows⌉, none for a single row.
+/// Returns the bits of an index into a book of `rows` rows: ⌈log₂ rows⌉, and 0 for a single row.
+///
+/// ```
+/// assert_eq!([1, 2, 5].map(btf_vq::index_bits), [0, 1, 3]);
+/// ```
 pub fn index_bits(rows: usize) -> u32 {
     rows.saturating_sub(1).checked_ilog2().map_or(0, |log| log + 1)
 }

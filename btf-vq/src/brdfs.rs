@@ -10,12 +10,12 @@ use glam::DVec3;
 use crate::error::VqError;
 use crate::texels::NodeTable;
 
-/// Bytes of a raw BRDF: 90 × 90 × 180 × 3 numbers of four, as the paper counts.
+/// Bytes of a raw BRDF: 90 × 90 × 180 × 3 numbers of four bytes, as the paper counts.
 pub const RAW_BRDF_BYTES: u64 = 90 * 90 * 180 * 3 * 4;
 /// Least height of a direction at which a BRDF is asked for: on the horizon itself there are no data.
 const HORIZON: f64 = 1e-3;
 
-/// What was changed while a BRDF was tabulated.
+/// Counts of what was changed while a BRDF was tabulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tabulated {
     /// Pairs of directions that the BRDF has no data for.
@@ -24,7 +24,17 @@ pub struct Tabulated {
     pub clamped: u64,
 }
 
-/// Adds a BRDF to a table.
+/// Adds a BRDF to a table as one texel, and returns what was changed.
+///
+/// ```
+/// use btf_vq::{AngularGrid, NodeTable, tabulate};
+///
+/// let white = brdf_model::Lambert { albedo: brdf_model::Rgb::splat(1.0) };
+/// let mut table = NodeTable::new(AngularGrid { phis: 1, ..AngularGrid::default() })?;
+/// let changed = tabulate(&mut table, &white)?;
+/// assert_eq!((table.len(), changed.without_data, changed.clamped), (1, 0, 0));
+/// # Ok::<(), btf_vq::VqError>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -48,10 +58,19 @@ fn above_horizon(direction: DVec3) -> DVec3 {
     DVec3::new(direction.x, direction.y, direction.z.max(HORIZON)).normalize()
 }
 
-/// A BRDF by its radiance under irradiance π.
+/// A [`Brdf`] made from a function that returns radiance under irradiance π, such as a texel of a BTF.
+///
+/// ```
+/// use brdf_model::Brdf as _;
+/// use brdf_param::DirectionPair;
+///
+/// let white = btf_vq::RadianceBrdf { radiance: |_, _| [1.0; 3], cosine_included: false };
+/// let value = white.eval(&DirectionPair::from_angles(0.3, 0.0, 0.5, 1.0));
+/// assert!((value.g - std::f64::consts::FRAC_1_PI).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct RadianceBrdf<F> {
-    /// Of unit directions to the light and to the viewer, linear RGB.
+    /// Linear RGB for unit directions to the light and to the viewer, in this order.
     pub radiance: F,
     /// Whether it contains the cosine of the light's polar angle.
     pub cosine_included: bool,

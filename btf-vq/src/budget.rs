@@ -8,8 +8,8 @@ use crate::projected_texels::ProjectedTexels;
 use crate::refined::{CodebookSizes, encode_refined};
 use crate::{AngularGrid, Chroma, Codebooks, VqError};
 
-/// Bytes of the streams of books of these sizes and so many texels: index of ⌈log₂ rows⌉ bits and scale
-/// for each entry, every stream rounded up to bytes. Two chrominances of 8 bits.
+/// Returns the bytes of the streams of books of these sizes and `texels` texels. Each entry takes an index of ⌈log₂
+/// rows⌉ bits and a scale, every stream is rounded up to bytes, and the two chrominances take 8 bits each.
 pub fn stream_bytes(grid: &AngularGrid, rows: &Rows, bits: &ScaleBits, texels: usize) -> u64 {
     let scaled = |rows, len, target, scale| (rows * len, index_bits(target) + scale);
     let streams = [
@@ -36,8 +36,8 @@ const DIFFERENT: f64 = 0.55;
 /// Texels on which splits are compared.
 const TRIAL: usize = 8192;
 
-/// Sizes for so many bytes in all: the split with the least error on a part of the texels, with
-/// books in proportion, which also shows how many rows of M come out.
+/// Returns the sizes of books that make `bytes` in all, headers not counted: the split with the least error on a
+/// part of the texels. Books in proportion are tried on that part, which also shows how many rows of M come out.
 ///
 /// # Errors
 ///
@@ -134,7 +134,8 @@ impl Room<'_> {
 }
 
 impl CodebookSizes {
-    /// Rows of all books, with a row of M for this share of the views of P3.
+    /// Returns the rows of all books, where `different` of the views of P3, as a share, have a row of M of their
+    /// own.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of books")]
     pub fn rows(&self, grid: &AngularGrid, different: f64) -> Rows {
         let Self { p4, p3, p2, p1, i2, i1, c } = *self;
@@ -142,8 +143,8 @@ impl CodebookSizes {
         Rows { p1, p2, c, i1, i2, m: m.max(1), p3, p4 }
     }
 
-    /// Codebooks of a share of these sizes; as many colours, so that as many pairs of P2 and I2 differ among
-    /// so many views.
+    /// Returns sizes that are `share` of these, with as many colours, so that as many pairs of P2 and I2 differ
+    /// among so many views.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of books")]
     pub fn times(&self, share: f64) -> Self {
         let part = |rows: usize| ((rows as f64 * share) as usize).max(4);

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{AngularGrid, Encoding, VqError};
 
-/// How chrominance goes with luminance.
+/// The relation of the stored chrominance to luminance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -19,7 +19,7 @@ pub enum Chroma {
     Relative,
 }
 
-/// Rows of values.
+/// A codebook whose rows are values (P1 and C).
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ValueBook {
     /// Values in a row.
@@ -29,18 +29,18 @@ pub struct ValueBook {
 }
 
 impl ValueBook {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.values.len() / self.len.max(1)
     }
 
-    /// A row.
+    /// Returns the values of a row.
     pub fn row(&self, row: usize) -> &[f32] {
         &self.values[row * self.len..][..self.len]
     }
 }
 
-/// Rows of indices into another book, with scales where the book has them.
+/// A codebook whose rows are indices into another book, with scales where the book has them.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct IndexCodebook {
     /// Entries in a row.
@@ -52,28 +52,28 @@ pub struct IndexCodebook {
 }
 
 impl IndexCodebook {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.index.len() / self.len.max(1)
     }
 
-    /// Indices of a row.
+    /// Returns the indices of a row.
     pub fn row(&self, row: usize) -> &[u32] {
         &self.index[row * self.len..][..self.len]
     }
 
-    /// Scales of a row.
+    /// Returns the scales of a row.
     pub fn row_scale(&self, row: usize) -> &[f32] {
         &self.scale[row * self.len..][..self.len]
     }
 
-    /// Indices and scales of a row.
+    /// Returns the indices of a row, each with its scale.
     pub fn entries(&self, row: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
         self.row(row).iter().zip(self.row_scale(row)).map(|(i, s)| (*i as usize, *s))
     }
 }
 
-/// The books that materials share.
+/// The nested codebooks that textures share, unpacked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Codebooks {
     /// Lengths of rows and meaning of nodes.
@@ -86,7 +86,7 @@ pub struct Codebooks {
     pub p1: ValueBook,
     /// Over α, into P1.
     pub p2: IndexCodebook,
-    /// Two chrominances.
+    /// Two chrominances in each row.
     pub c: ValueBook,
     /// Along β, into C.
     pub i1: IndexCodebook,
@@ -100,11 +100,11 @@ pub struct Codebooks {
     pub p4: IndexCodebook,
 }
 
-/// One texture of a compressed BTF.
+/// Name, size and meaning of one texture of a compressed BTF.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TextureInfo {
-    /// What it is called.
+    /// Name of the texture.
     pub name: String,
     /// Texels in a row of the finest level.
     pub width: usize,
@@ -112,12 +112,12 @@ pub struct TextureInfo {
     pub height: usize,
     /// Whether values contain the cosine of the light's polar angle.
     pub cosine_included: bool,
-    /// Resolutions, the finest and those below.
+    /// Number of resolutions, the finest and those below; each has half as many texels in a row as the one before.
     pub levels: usize,
 }
 
 impl TextureInfo {
-    /// Texels of each level, the finest first.
+    /// Returns the number of texels of each level, the finest first.
     pub fn level_lens(&self) -> impl Iterator<Item = usize> + use<> {
         let (width, height) = (self.width, self.height);
         (0..self.levels).map(move |level| {
@@ -141,22 +141,26 @@ impl TextureInfo {
     }
 }
 
-/// One texture over the shared books.
+/// One texture as rows of indices into the shared books.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompressedTexture {
-    /// What it is.
+    /// Name, size and meaning.
     pub info: TextureInfo,
     /// P6: into P4, one entry a texel; the finest level first, each next one half as large.
     pub levels: Vec<IndexCodebook>,
 }
 
-/// Size of a level of a texture.
+/// Returns the width and height, in texels, of a level of a texture whose finest level has `width` × `height`.
+///
+/// ```
+/// assert_eq!(btf_vq::level_size(256, 64, 3), (32, 8));
+/// ```
 pub fn level_size(width: usize, height: usize, level: usize) -> (usize, usize) {
     ((width >> level).max(1), (height >> level).max(1))
 }
 
 impl Codebooks {
-    /// Empty books.
+    /// Returns books without rows.
     pub fn new(grid: AngularGrid, encoding: Encoding, chroma: Chroma) -> Self {
         let values = |len| ValueBook { len, values: Vec::new() };
         let indices = |len| IndexCodebook { len, index: Vec::new(), scale: Vec::new() };
@@ -175,7 +179,7 @@ impl Codebooks {
         }
     }
 
-    /// Luminance of a row of P2: `[alpha][beta]`.
+    /// Writes the luminance of a row of P2 into `out`: `[alpha][beta]`.
     pub fn expand_p2(&self, row: usize, out: &mut [f32]) {
         for ((index, scale), slice) in
             self.p2.entries(row).zip(out.chunks_exact_mut(self.grid.betas))
@@ -184,7 +188,7 @@ impl Codebooks {
         }
     }
 
-    /// A chrominance, 0 or 1, of a row of I2: `[alpha][beta]`.
+    /// Writes a chrominance, 0 or 1, of a row of I2 into `out`: `[alpha][beta]`.
     pub fn expand_i2(&self, row: usize, channel: usize, out: &mut [f32]) {
         for (i1, slice) in self.i2.row(row).iter().zip(out.chunks_exact_mut(self.grid.betas)) {
             for (c, value) in self.i1.row(*i1 as usize).iter().zip(slice) {
@@ -193,7 +197,7 @@ impl Codebooks {
         }
     }
 
-    /// Both chrominances of a row of I1: `[channel][beta]`.
+    /// Writes both chrominances of a row of I1 into `out`: `[channel][beta]`.
     pub fn expand_i1(&self, row: usize, out: &mut [f32]) {
         let (first, second) = out.split_at_mut(self.grid.betas);
         for ((c, a), b) in self.i1.row(row).iter().zip(first).zip(second) {
@@ -202,8 +206,8 @@ impl Codebooks {
         }
     }
 
-    /// Luminance of unit scale and both chrominances of a row of M: `[channel][alpha][beta]`; with
-    /// relative chrominance, times luminance.
+    /// Writes a row of M into `out`, `[channel][alpha][beta]`: luminance of unit scale and both chrominances;
+    /// relative chrominance is multiplied by luminance.
     pub fn expand_m(&self, row: usize, out: &mut [f32]) {
         let [p2, i2] = [self.m.row(row)[0], self.m.row(row)[1]].map(|i| i as usize);
         let slice = self.grid.slice_len();
@@ -222,7 +226,7 @@ impl Codebooks {
         if channel == 0 || self.chroma == Chroma::Relative { scale } else { 1.0 }
     }
 
-    /// A row of P3 of unit scale: `[channel][theta][alpha][beta]`.
+    /// Writes a row of P3 of unit scale into `out`: `[channel][theta][alpha][beta]`.
     pub fn expand_p3(&self, row: usize, out: &mut [f32]) {
         let slice = self.grid.slice_len();
         let mut view = vec![0.0; 3 * slice];
@@ -237,7 +241,7 @@ impl Codebooks {
         }
     }
 
-    /// A row of P4 of unit scale: `[channel][node]`.
+    /// Writes a row of P4 of unit scale into `out`: `[channel][node]`.
     pub fn expand_p4(&self, row: usize, out: &mut [f32]) {
         let part = self.grid.thetas * self.grid.slice_len();
         let mut three = vec![0.0; 3 * part];

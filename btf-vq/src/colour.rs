@@ -5,19 +5,27 @@
 
 use crate::Encoding;
 
-/// Weight of a squared error in luma, Cb and Cr in the mean squared error of RGB, without the products
-/// of different channels, which average out where channels are quantized apart.
+/// Weights of squared errors in luma, Cb and Cr in the mean squared error of RGB, without the products of different
+/// channels, which average out where channels are quantized apart.
 pub const RGB_WEIGHTS: [f32; 3] = [1.0, (0.344_136 * 0.344_136 + 1.772 * 1.772) / 3.0, {
     (1.402 * 1.402 + 0.714_136 * 0.714_136) / 3.0
 }];
 
-/// Luma, Cb and Cr, the latter two around 0, of display-referred RGB. Linear.
+/// Converts display-referred RGB to luma, Cb and Cr (the latter two around 0). The map is linear.
+///
+/// ```
+/// use btf_vq::colour::{from_ycbcr, to_ycbcr};
+///
+/// let [luma, cb, cr] = to_ycbcr([0.5, 0.5, 0.5]);
+/// assert!((luma - 0.5).abs() < 1e-6 && cb.abs() < 1e-6 && cr.abs() < 1e-6);
+/// assert!((from_ycbcr(to_ycbcr([0.1, 0.6, 0.3]))[1] - 0.6).abs() < 1e-5);
+/// ```
 pub fn to_ycbcr([r, g, b]: [f32; 3]) -> [f32; 3] {
     let y = 0.299 * r + 0.587 * g + 0.114 * b;
     [y, (b - y) / 1.772, (r - y) / 1.402]
 }
 
-/// The inverse of [`to_ycbcr`].
+/// Converts luma, Cb and Cr to display-referred RGB; the inverse of [`to_ycbcr`].
 pub fn from_ycbcr([y, cb, cr]: [f32; 3]) -> [f32; 3] {
     [y + 1.402 * cr, y - 0.344_136 * cb - 0.714_136 * cr, y + 1.772 * cb]
 }
@@ -25,7 +33,7 @@ pub fn from_ycbcr([y, cb, cr]: [f32; 3]) -> [f32; 3] {
 /// Chromaticity of white (D65) in CIE 1976 u′v′.
 const WHITE_UV: [f32; 2] = [0.197_833, 0.468_331];
 
-/// CIE Y and u′v′ of linear Rec. 709 RGB; white's chromaticity for black.
+/// Converts linear Rec. 709 RGB to CIE Y and u′v′; black gets white's chromaticity.
 pub fn to_yuv([r, g, b]: [f32; 3]) -> [f32; 3] {
     let x = 0.412_391 * r + 0.357_584 * g + 0.180_481 * b;
     let y = 0.212_639 * r + 0.715_169 * g + 0.072_192 * b;
@@ -37,7 +45,7 @@ pub fn to_yuv([r, g, b]: [f32; 3]) -> [f32; 3] {
     [y, 4.0 * x / sum, 9.0 * y / sum]
 }
 
-/// The inverse of [`to_yuv`].
+/// Converts CIE Y and u′v′ to linear Rec. 709 RGB; the inverse of [`to_yuv`].
 pub fn from_yuv([y, u, v]: [f32; 3]) -> [f32; 3] {
     let v = v.max(1e-3);
     let x = y * 9.0 * u / (4.0 * v);
@@ -49,7 +57,7 @@ pub fn from_yuv([y, u, v]: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// Luminance and two chromaticities of a value in its encoding.
+/// Converts RGB in the given encoding to luminance and two chromaticities: [`to_ycbcr`] or [`to_yuv`].
 pub fn to_luma_chroma(encoding: Encoding, rgb: [f32; 3]) -> [f32; 3] {
     match encoding {
         Encoding::Srgb => to_ycbcr(rgb),
@@ -57,7 +65,7 @@ pub fn to_luma_chroma(encoding: Encoding, rgb: [f32; 3]) -> [f32; 3] {
     }
 }
 
-/// The inverse of [`to_luma_chroma`].
+/// Converts luminance and two chromaticities to RGB in the given encoding; the inverse of [`to_luma_chroma`].
 pub fn from_luma_chroma(encoding: Encoding, value: [f32; 3]) -> [f32; 3] {
     match encoding {
         Encoding::Srgb => from_ycbcr(value),

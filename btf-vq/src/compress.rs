@@ -16,21 +16,21 @@ use crate::refined::{CodebookSizes, encode_refined};
 use crate::source::Encoding;
 use crate::texels::TexelSet;
 
-/// How codebooks are made.
+/// The method by which a BTF is compressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
-    /// Centres of clusters at every level, sizes for a ratio.
+    /// Nested codebooks whose rows are centres of clusters, with sizes chosen for a ratio.
     #[default]
     Refined,
-    /// Exemplars in Halton order, as published.
+    /// Nested codebooks whose rows are exemplars taken in Halton order, as published.
     Paper,
     /// Local principal components in bytes, the paper's rival.
     Lpca,
 }
 
-/// Which similarity decides in the paper's mode.
+/// The similarity measure of [`Mode::Paper`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -42,7 +42,7 @@ pub enum Similarity {
 }
 
 impl Similarity {
-    /// Returns the threshold that is usual.
+    /// Returns the default threshold: 0.004 for [`Similarity::Mse`], 0.4 for [`Similarity::Ssim`].
     pub fn usual_epsilon(self) -> f32 {
         match self {
             Self::Mse => 0.004,
@@ -50,7 +50,7 @@ impl Similarity {
         }
     }
 
-    /// Returns the measure with a threshold.
+    /// Returns this measure with the threshold `epsilon`.
     pub fn measure(self, epsilon: f32) -> Measure {
         match self {
             Self::Mse => Measure::Mse(epsilon),
@@ -59,13 +59,13 @@ impl Similarity {
     }
 }
 
-/// How a compressed BTF was made.
+/// A record of how a compressed BTF was made, which is stored beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BtfRecord {
-    /// How codebooks were made.
+    /// Method of compression.
     pub mode: Mode,
-    /// What decided, of the paper's mode.
+    /// Similarity measure, in the paper's mode.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measure: Option<Similarity>,
     /// Threshold of the paper's mode.
@@ -75,16 +75,16 @@ pub struct BtfRecord {
     pub raw_bytes: u64,
 }
 
-/// Options of a compression.
+/// Options of [`compress`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompressSettings {
-    /// How codebooks are made.
+    /// Method of compression.
     pub mode: Mode,
-    /// Raw bytes over bytes of the file; not of the paper's mode.
+    /// Raw bytes over bytes of the file, above 0; not used by the paper's mode.
     pub ratio: f64,
-    /// What is similar enough, in the paper's mode; without, that of the books that grow, or SSIM.
+    /// Similarity measure of the paper's mode; `None` takes that of the books that grow, or SSIM.
     pub similarity: Option<Similarity>,
-    /// Threshold of the paper's mode; without, that of the books that grow, or the usual one.
+    /// Threshold of the paper's mode; `None` takes that of the books that grow, or [`Similarity::usual_epsilon`].
     pub epsilon: Option<f32>,
     /// Most rows of P4 in the paper's mode, as a share of the texels.
     pub budget: f64,
@@ -96,7 +96,7 @@ impl Default for CompressSettings {
     }
 }
 
-/// A compressed BTF that grows.
+/// A compressed BTF that more textures are added to.
 #[derive(Clone, Debug)]
 pub struct Base {
     /// Its codebooks.
@@ -109,7 +109,7 @@ pub struct Base {
     pub bytes: usize,
 }
 
-/// What resampling changed.
+/// Counts of what resampling changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ResamplingCounts {
     /// Pairs of view and light that were interpolated.
@@ -118,12 +118,12 @@ pub struct ResamplingCounts {
     pub clamped: u64,
 }
 
-/// A compressed BTF, how it was made, and what was changed on the way.
+/// The result of [`compress`]: the model, how it was made, and what was changed on the way.
 #[derive(Clone, Debug)]
 pub struct Compressed {
     /// The model.
     pub model: BtfModel,
-    /// How it was made.
+    /// How it was made, to be stored beside it.
     pub record: BtfRecord,
     /// What resampling changed.
     pub resampling: ResamplingCounts,
@@ -132,12 +132,32 @@ pub struct Compressed {
 /// Shares of the bytes asked for between which a file need not be made again.
 const NEAR_ENOUGH: std::ops::RangeInclusive<f64> = 0.97..=1.01;
 
-/// Returns the number of bytes that a model takes as a file.
+/// A function that returns the number of bytes that a model takes as a file.
 pub type FileBytes<'a> = dyn Fn(&BtfModel, &BtfRecord) -> usize + Sync + 'a;
 
-/// Compresses textures, beside those of `base` if there is one, in its codebooks: rows that it has stay as they are
-/// and serve where they fit, and the ratio is that of the new textures to the bytes that they add. The same inputs
-/// and settings give the same model on any number of threads.
+/// Compresses textures, into new codebooks or into those of `base`.
+///
+/// Rows that `base` has stay as they are and serve where they fit, and the ratio is that of the new textures to the
+/// bytes that they add. The same inputs and settings give the same model on any number of threads.
+///
+/// ```
+/// use brdf_job::Job;
+/// use brdf_model::{Brdf, Preset};
+/// use btf_vq::{CompressSettings, GridChoice, TextureInputs, compress};
+///
+/// let plastic = Preset::find("plastic").expect("a built-in material").brdf();
+/// let grid = GridChoice { nodes: Some([21, 21, 11, 1]), ..GridChoice::default() };
+/// let brdfs = [("plastic".to_owned(), &plastic as &dyn Brdf)];
+/// let (inputs, _) = TextureInputs::brdfs(&brdfs, grid, &Job::new())?;
+///
+/// let settings = CompressSettings { ratio: 10_000.0, ..CompressSettings::default() };
+/// let size = |model: &btf_vq::BtfModel, _: &btf_vq::BtfRecord| {
+///     model.stream_bytes().iter().map(|(_, bytes)| bytes).sum()
+/// };
+/// let compressed = compress(&inputs, &settings, None, &size, &Job::new())?;
+/// assert_eq!(compressed.model.textures()[0].name, "plastic");
+/// # Ok::<(), btf_vq::VqError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -10,7 +10,17 @@ use crate::codebooks::level_size;
 use crate::colour::from_luma_chroma;
 use crate::{AngularGrid, Chroma, Encoding, LightTaps, Pair, Quantizer, ViewTaps, VqModel};
 
-/// Where a pair of directions lies in the grid: made once, used for many texels.
+/// The nodes around a pair of directions and their weights: made once, used for many texels.
+///
+/// ```
+/// use btf_vq::{AngularGrid, Taps};
+/// use glam::DVec3;
+///
+/// let grid = AngularGrid::default();
+/// let taps = Taps::new(&grid, DVec3::Z, DVec3::new(0.6, 0.0, 0.8));
+/// let sum: f32 = taps.nodes(&grid).iter().map(|(_, weight)| weight).sum();
+/// assert!((sum - 1.0).abs() < 1e-5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Taps {
     /// Of the view.
@@ -20,14 +30,14 @@ pub struct Taps {
 }
 
 impl Taps {
-    /// The taps of unit directions of the upper hemisphere.
+    /// Returns the taps of unit directions of the upper hemisphere.
     #[inline]
     pub fn new(grid: &AngularGrid, wi: DVec3, wo: DVec3) -> Self {
         let (view, azimuth) = grid.view_taps(wo);
         Self { view, light: grid.light_taps(wi, azimuth) }
     }
 
-    /// The 16 nodes, of one channel, and their weights.
+    /// Returns the 16 nodes around the directions, of one channel, and their weights, which sum to 1.
     pub fn nodes(&self, grid: &AngularGrid) -> [(usize, f32); 16] {
         let mut taps = [(0, 0.0); 16];
         let mut next = taps.iter_mut();
@@ -131,7 +141,7 @@ struct Texture<'a> {
     p6: ScaledBook<'a>,
 }
 
-/// Reads a texture of a compressed BTF.
+/// A reader of one texture of a compressed BTF, straight from its packed bits.
 #[derive(Clone, Debug)]
 pub struct Decoder<'a> {
     grid: AngularGrid,
@@ -163,7 +173,7 @@ pub struct Decoder<'a> {
 }
 
 impl VqModel {
-    /// A reader of one of the textures; `None` if there are fewer.
+    /// Returns a reader of one of the textures, or `None` if there are fewer.
     pub fn decoder(&self, material: usize) -> Option<Decoder<'_>> {
         let header = self.header();
         let texture = header.materials.get(material)?;
@@ -183,6 +193,7 @@ impl VqModel {
         let chromas = header.c.map(|quantizer| quantizer.table());
         let colours = self.stream(2).as_chunks::<2>().0.iter();
         let mut decoder = Decoder {
+            /// Returns the grid of directions.
             grid,
             encoding: header.encoding,
             chroma: header.chroma,
@@ -222,24 +233,24 @@ impl Decoder<'_> {
         &self.grid
     }
 
-    /// What values mean.
+    /// Returns what values mean.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// Resolutions.
+    /// Returns the number of resolutions.
     pub fn levels(&self) -> usize {
         self.levels.len()
     }
 
-    /// Texels in a row, and rows, of a level; levels past the last are the last.
+    /// Returns the texels in a row, and the rows, of a level; levels past the last are the last.
     pub fn size(&self, level: usize) -> (usize, usize) {
         let texture = &self.levels[level.min(self.levels.len() - 1)];
         (texture.width, texture.height)
     }
 
-    /// RGB, as [`Decoder::encoding`] says, of a texel (row-major) of a level between the nodes around
-    /// `taps`.
+    /// Returns the RGB, as [`Decoder::encoding`] says, of a texel (row-major) of a level, interpolated between the
+    /// nodes of `taps`.
     ///
     /// # Panics
     ///
@@ -463,7 +474,7 @@ impl Decoder<'_> {
         }
     }
 
-    /// RGB of many texels of the finest level, each with taps of its own.
+    /// Writes the RGB of many texels of the finest level, each with taps of its own, into `out`.
     ///
     /// # Panics
     ///
@@ -480,7 +491,7 @@ impl Decoder<'_> {
         }
     }
 
-    /// RGB of consecutive texels of a level for one pair of directions.
+    /// Writes the RGB of consecutive texels of a level, from `first` on, for one pair of directions into `out`.
     ///
     /// # Panics
     ///
@@ -498,7 +509,7 @@ impl Decoder<'_> {
         }
     }
 
-    /// A whole level for one pair of directions: every row of P4 is decoded once.
+    /// Writes the RGB of a whole level for one pair of directions into `out`. Every row of P4 is decoded once.
     ///
     /// # Panics
     ///

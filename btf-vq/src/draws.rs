@@ -7,32 +7,33 @@ use glam::DVec3;
 
 use crate::reader::BtfReader;
 
-/// What is drawn.
+/// Options of [`draw_lights`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawParams {
     /// Number of directions.
     pub count: u32,
-    /// One place of the tile, u to the right and v upwards, instead of all.
+    /// One place of the tile, u to the right and v upwards in [0, 1), instead of all places.
     pub at: Option<[f64; 2]>,
-    /// Which scramble of the sequence.
+    /// Seed of the scramble of the Sobol sequence.
     pub seed: u64,
     /// Whether the texture's values contain the cosine of the light's polar angle.
     pub cosine_included: bool,
 }
 
-/// A direction that was drawn.
+/// A light direction that was drawn, its density and the radiance that it causes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnLight {
     /// Unit direction to the light.
     pub wi: DVec3,
-    /// Per steradian.
+    /// Density with which it was drawn, sr⁻¹.
     pub pdf: f64,
     /// Linear radiance of the texel.
     pub radiance: [f32; 3],
 }
 
-/// Draws directions to lights for a view, distributed as the luminance that is stored. Returns them with an estimate
-/// of the albedo of the place, or of the mean over the tile.
+/// Draws directions to lights for a view, distributed as the stored luminance.
+///
+/// Returns them with an estimate of the albedo of the place, or of the mean over the tile.
 pub fn draw_lights(
     reader: &BtfReader<'_>,
     wo: DVec3,

@@ -1,6 +1,6 @@
 //! What can be wrong with a BTF or its codebooks.
 
-/// A BTF that cannot be compressed, or books that cannot be used.
+/// A BTF that cannot be compressed, or a compressed one that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VqError {

@@ -17,7 +17,7 @@ use crate::resample::{Resampler, TEXEL_BLOCK};
 use crate::source::{BtfSource, Encoding};
 use crate::texels::NodeTable;
 
-/// How near images are.
+/// The fidelity of decoded images to the original ones, in two measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fidelity {
@@ -27,7 +27,7 @@ pub struct Fidelity {
     pub mssim: f64,
 }
 
-/// Returns where the directions of every image of a source lie.
+/// Returns the taps of the directions of every image of a source, in order.
 pub fn image_taps(source: &dyn BtfSource, grid: &AngularGrid) -> Vec<Taps> {
     let views = source.layout().views.iter();
     views.flat_map(|view| view.lights.iter().map(|wi| Taps::new(grid, *wi, view.wo))).collect()
@@ -90,8 +90,8 @@ pub(crate) fn compare_images(
     Ok(Fidelity { psnr: 10.0 * (255.0 * 255.0 / mse).log10(), mssim })
 }
 
-/// Compares a texture with the images that it was made from: PSNR over all values of all images in 8-bit sRGB, SSIM
-/// over all images. Linear images are encoded first, 1 as white.
+/// Compares a decoded texture with the images that it was made from: PSNR over all values of all images in 8-bit
+/// sRGB, SSIM over all images. Linear images are encoded first, 1 as white.
 ///
 /// # Errors
 ///
@@ -118,8 +118,8 @@ pub fn compare_texture(
     compare_images(source, 1, &decoded, job)
 }
 
-/// Compares texels that were resampled to the grid of a texture, and not compressed, with the images: what no
-/// compression on this grid can better.
+/// Compares the images with texels that were resampled to the grid of a texture and not compressed. No compression
+/// on this grid can come closer.
 ///
 /// # Errors
 ///
@@ -168,17 +168,17 @@ pub fn resampling_floor(
     compare_images(source, 1, &decoded, &comparing)
 }
 
-/// How near a BRDF is, over both hemispheres, weighted by the light's cosine.
+/// The error of a decoded BRDF over both hemispheres, weighted by the light's cosine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BrdfFidelity {
     /// Name of the texture.
     pub name: String,
-    /// Root mean square, sr⁻¹.
+    /// Root mean square error, sr⁻¹.
     pub rms: f64,
-    /// The same over that of the BRDF.
+    /// Root mean square error over the root mean square of the BRDF.
     pub relative: f64,
-    /// The same of the BRDF on the grid, not compressed.
+    /// Relative error of the BRDF on the grid, not compressed; `None` where it was not asked for.
     pub floor: Option<f64>,
     /// Pairs that the BRDF has no data for.
     pub without_data: usize,
@@ -187,7 +187,7 @@ pub struct BrdfFidelity {
 /// Of the pairs on which BRDFs are compared.
 const SEED: u64 = 1;
 
-/// Compares BRDFs with the textures of their names.
+/// Compares BRDFs with the textures of their names in a model.
 ///
 /// # Errors
 ///

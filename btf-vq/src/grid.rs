@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::VqError;
 
-/// How a light direction becomes (α, sin β), relative to the azimuth of the view.
+/// The map from a light direction to (α, sin β), relative to the azimuth of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -26,10 +26,16 @@ pub enum LightParametrization {
     Eq3,
 }
 
-/// Nodes of a resampled texel, `[phi_v][theta_v][alpha][beta]`.
+/// The grid of directions of a resampled texel, with nodes `[phi_v][theta_v][alpha][beta]`.
 ///
 /// α runs over its range in equal steps, sin β over [−1, 1] (so that dω = dα d(sin β)), θv over
 /// [0, π/2] with both ends, φv over the circle.
+///
+/// ```
+/// let grid = btf_vq::AngularGrid::default();
+/// assert_eq!(grid.node_count(), 11 * 11 * 7 * 16);
+/// assert!(grid.check().is_ok());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -54,8 +60,8 @@ impl Default for AngularGrid {
     }
 }
 
-/// Two neighbouring nodes and their weights, which sum to 1: the second follows the first, except
-/// where a circle closes.
+/// Two neighbouring nodes and their weights, which sum to 1. The second follows the first, except where a circle
+/// closes.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Pair {
     /// Indices.
@@ -82,7 +88,7 @@ impl Pair {
         Self { at: [low, high], weight: [1.0 - upper, upper] }
     }
 
-    /// Both nodes with their weights.
+    /// Returns both nodes with their weights.
     pub fn iter(&self) -> impl Iterator<Item = (usize, f32)> + use<> {
         let Self { at, weight } = *self;
         (0..2).map(move |i| (at[i], weight[i]))
@@ -127,7 +133,7 @@ fn fast_atan2(y: f32, x: f32) -> f32 {
     half.copysign(y)
 }
 
-/// Where a view direction lies between nodes.
+/// The nodes around a view direction and their weights.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ViewTaps {
     /// Along θv.
@@ -136,7 +142,7 @@ pub struct ViewTaps {
     pub phi: Pair,
 }
 
-/// Where a light direction lies between nodes.
+/// The nodes around a light direction and their weights.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct LightTaps {
     /// Along α.
@@ -163,22 +169,22 @@ impl AngularGrid {
         Ok(())
     }
 
-    /// Nodes of the light hemisphere for one view.
+    /// Returns the number of nodes of the light hemisphere for one view.
     pub fn slice_len(&self) -> usize {
         self.alphas * self.betas
     }
 
-    /// Views.
+    /// Returns the number of views.
     pub fn view_count(&self) -> usize {
         self.thetas * self.phis
     }
 
-    /// Nodes of a texel in one channel.
+    /// Returns the number of nodes of a texel in one channel.
     pub fn node_count(&self) -> usize {
         self.view_count() * self.slice_len()
     }
 
-    /// θv and φv of a view in radians; `view` counts `[phi][theta]`.
+    /// Returns θv and φv of a view, in radians; `view` counts `[phi][theta]`.
     pub fn view_angles(&self, view: usize) -> (f64, f64) {
         let (phi, theta) = (view / self.thetas, view % self.thetas);
         let theta = FRAC_PI_2 * theta as f64 / (self.thetas - 1) as f64;
@@ -193,16 +199,15 @@ impl AngularGrid {
         }
     }
 
-    /// Solid angle, in sr, of the rectangle between neighbouring nodes of α and sin β.
+    /// Returns the solid angle, in sr, of the rectangle between neighbouring nodes of α and sin β.
     pub fn cell_solid_angle(&self) -> f64 {
         // Eq. 3 takes two directions for one.
         let sides = PI / self.alpha_range().1;
         sides * self.alpha_range().1 / (self.alphas - 1) as f64 * 2.0 / (self.betas - 1) as f64
     }
 
-    /// The unit directions that a position between the nodes, counted in nodes along α and β, stands
-    /// for: one, or the two that Eq. 3 takes for one. `azimuth` is the unit vector towards the view in
-    /// the plane.
+    /// Returns the unit directions of a position between the nodes, counted in nodes along α and β: one direction
+    /// twice, or the two that Eq. 3 takes for one. `azimuth` is the unit vector towards the view in the plane.
     #[inline]
     pub fn directions(&self, alpha: f64, beta: f64, azimuth: DVec2) -> [DVec3; 2] {
         let (lowest, range) = self.alpha_range();
@@ -221,12 +226,12 @@ impl AngularGrid {
         }
     }
 
-    /// The directions of a node.
+    /// Returns the unit directions of a node, as [`AngularGrid::directions`] does.
     pub fn node_directions(&self, alpha: usize, beta: usize, azimuth: DVec2) -> [DVec3; 2] {
         self.directions(alpha as f64, beta as f64, azimuth)
     }
 
-    /// Where a unit view direction of the upper hemisphere lies, and the unit vector towards it in the
+    /// Returns the taps of a unit view direction of the upper hemisphere, and the unit vector towards it in the
     /// plane.
     #[inline]
     #[expect(clippy::cast_possible_truncation, reason = "weights")]
@@ -244,7 +249,7 @@ impl AngularGrid {
         (taps, azimuth)
     }
 
-    /// Where a unit light direction of the upper hemisphere lies for a view towards `azimuth`.
+    /// Returns the taps of a unit light direction of the upper hemisphere for a view towards `azimuth`.
     #[inline]
     #[expect(clippy::cast_possible_truncation, reason = "weights")]
     pub fn light_taps(&self, wi: DVec3, azimuth: DVec2) -> LightTaps {
@@ -261,12 +266,12 @@ impl AngularGrid {
         LightTaps { alpha: Pair::around(alpha, self.alphas), beta: Pair::around(beta, self.betas) }
     }
 
-    /// The taps of a position between the light's nodes, counted in nodes along α and β.
+    /// Returns the taps of a position between the light's nodes, counted in nodes along α and β.
     pub fn place_taps(&self, alpha: f32, beta: f32) -> LightTaps {
         LightTaps { alpha: Pair::around(alpha, self.alphas), beta: Pair::around(beta, self.betas) }
     }
 
-    /// Weights of the trapezoidal rule along one side of the light grid.
+    /// Returns the weights of the trapezoidal rule along one side of `count` nodes of the light grid.
     pub fn trapezoid(count: usize) -> impl Iterator<Item = f32> + Clone {
         (0..count).map(move |i| if i == 0 || i + 1 == count { 0.5 } else { 1.0 })
     }

@@ -16,10 +16,11 @@ use crate::texels::{NodeTable, TexelSet};
 const NODES: [usize; 4] = [11, 11, 7, 16];
 const BRDF_NODES: [usize; 4] = [91, 91, 45, 1];
 
-/// A grid that is asked for.
+/// The grid of directions that is asked for, or the paper's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GridChoice {
-    /// Along α, β, θv and φv; without, those of the paper for what inputs are.
+    /// Nodes along α, β, θv and φv; `None` takes those of the paper: 11 × 11 × 7 × 16 for images, 91 × 91 × 45 × 1
+    /// for BRDFs.
     pub nodes: Option<[usize; 4]>,
     /// How light directions are laid out.
     pub parametrization: LightParametrization,
@@ -39,13 +40,13 @@ impl From<AngularGrid> for GridChoice {
     }
 }
 
-/// Textures to compress.
+/// The textures to compress: images of BTFs, or BRDFs as textures of one texel.
 pub struct TextureInputs<'a> {
-    /// One for each texture.
+    /// Name, size and meaning of each texture.
     pub infos: Vec<TextureInfo>,
-    /// Bytes of the raw images, or numbers, of all, as the paper counts.
+    /// Bytes of the raw images, or of the tables of BRDFs, of all textures together, as the paper counts.
     pub raw_bytes: u64,
-    /// How lights and views are laid out.
+    /// Grid of light and view directions.
     pub grid: AngularGrid,
     data: Data<'a>,
 }
@@ -62,7 +63,7 @@ impl std::fmt::Debug for TextureInputs<'_> {
 }
 
 impl<'a> TextureInputs<'a> {
-    /// Returns the images of named sources, with coarser levels if `has_mipmaps`.
+    /// Returns inputs of the images of named sources, with coarser levels if `has_mipmaps`.
     pub fn images(
         sources: Vec<(String, &'a dyn BtfSource)>,
         grid: GridChoice,
@@ -84,7 +85,7 @@ impl<'a> TextureInputs<'a> {
         Self { infos, raw_bytes, grid: grid.or(NODES), data: Data::Images(sources) }
     }
 
-    /// Returns named BRDFs, each a texture of one texel, and what was changed in each.
+    /// Returns inputs of named BRDFs, each a texture of one texel, and what was changed in each.
     ///
     /// # Errors
     ///
@@ -136,7 +137,7 @@ impl<'a> TextureInputs<'a> {
         })
     }
 
-    /// Returns what `f` makes of the texels: those of each texture's levels, one after another.
+    /// Calls `f` with the texels, those of each texture's levels one after another, and returns its result.
     ///
     /// # Errors
     ///

@@ -20,14 +20,14 @@ impl std::fmt::Debug for Mipped<'_> {
 }
 
 impl<'a> Mipped<'a> {
-    /// A level of a source; 0 is the source itself.
+    /// Returns a level of a source; level 0 is the source itself.
     pub fn new(source: &'a dyn BtfSource, level: usize) -> Self {
         let mut layout = source.layout().clone();
         (layout.width, layout.height) = level_size(layout.width, layout.height, level);
         Self { source, layout }
     }
 
-    /// How many levels there are until a single texel is left, the finest counted.
+    /// Returns the number of levels until a single texel is left, the finest counted.
     pub fn count(layout: &BtfLayout) -> usize {
         layout.width.max(layout.height).checked_ilog2().map_or(1, |log| log as usize + 1)
     }

@@ -11,12 +11,13 @@ use crate::{
     TextureInfo, ValueBook, VqError,
 };
 
-/// Rows of the shared books.
+/// Numbers of rows of the shared books.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "the names are those of the books")]
 pub struct Rows {
+    /// Codes of the values of P1.
     pub p1: usize,
     pub p2: usize,
     pub c: usize,
@@ -28,7 +29,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Of books.
+    /// Returns the numbers of rows of unpacked books.
     pub fn of(books: &Codebooks) -> Self {
         Self {
             p1: books.p1.rows(),
@@ -43,18 +44,18 @@ impl Rows {
     }
 }
 
-/// A texture over codebooks.
+/// Name, size and scale codes of one texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TextureHeader {
-    /// What it is.
+    /// Name, size and meaning.
     #[serde(flatten)]
     pub info: TextureInfo,
     /// Of the scales of P6.
     pub scale: Quantizer,
 }
 
-/// What the streams mean.
+/// The meaning of the streams of a [`VqModel`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Header {
@@ -83,7 +84,7 @@ pub struct Header {
 /// Bits of the values of P1 and C: a byte, so that decoders read them as they are.
 pub(crate) const VALUE_BITS: u32 = 8;
 
-/// Bits of scales.
+/// Numbers of bits that scales are stored in, 1 to 16.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScaleBits {
     /// Of P2's scales.
@@ -99,14 +100,14 @@ pub struct ScaleBits {
 }
 
 impl ScaleBits {
-    /// The paper's: 8, and 16 for P2 where radiance is linear.
+    /// Returns the paper's bits: 8, and 16 for P2 where radiance is linear.
     pub fn paper(encoding: Encoding) -> Self {
         let p2 = if encoding == Encoding::Linear { 16 } else { 8 };
         Self { p2, p3: 8, p4: 8, p6: 8, always_log: false }
     }
 
-    /// Of refined books: 6 logarithmic bits lose 0.01 dB of sRGB against 8, and leave room for more rows;
-    /// linear radiance spans more.
+    /// Returns the bits for refined books. 6 logarithmic bits lose 0.01 dB of sRGB against 8, and leave room for
+    /// more rows; linear radiance spans more.
     pub fn refined(encoding: Encoding) -> Self {
         match encoding {
             Encoding::Srgb => Self { p2: 6, p3: 6, p4: 6, p6: 8, always_log: true },
@@ -153,7 +154,7 @@ impl Header {
         })
     }
 
-    /// Names of all streams, in order: the books, then `P6.material.level`.
+    /// Returns the names of all streams, in order: the books, then `P6.material.level`.
     pub fn stream_names(&self) -> Vec<String> {
         let textures = self.materials.iter().enumerate().flat_map(|(index, material)| {
             (0..material.info.levels).map(move |level| format!("P6.{index}.{level}"))
@@ -185,10 +186,10 @@ impl Header {
     }
 }
 
-/// Bytes that a model reads from: owned, or a mapped file.
+/// The bytes that a model reads from: owned, or a mapped file.
 pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
-/// A compressed BTF. Every index was checked when it was made; reading never goes out of bounds.
+/// A BTF in packed codebooks. Every index was checked when the model was made; reading never goes out of bounds.
 #[derive(Clone)]
 pub struct VqModel {
     header: Header,
@@ -203,7 +204,7 @@ impl std::fmt::Debug for VqModel {
 }
 
 impl VqModel {
-    /// A model from its header and where each of [`Header::stream_names`] lies in `bytes`.
+    /// Returns a model made from its header and the ranges in `bytes` of each of [`Header::stream_names`].
     ///
     /// # Errors
     ///
@@ -282,7 +283,7 @@ impl VqModel {
         }
     }
 
-    /// Packs books. Every scale loses what its bits cannot hold.
+    /// Packs books and textures into bits. Every scale loses what its bits cannot hold.
     ///
     /// # Errors
     ///
@@ -333,24 +334,24 @@ impl VqModel {
         Self::new(header, Arc::new(bytes), ranges)
     }
 
-    /// What the streams mean.
+    /// Returns what the streams mean.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// A stream, by its place in [`Header::stream_names`].
+    /// Returns the bytes of a stream, by its place in [`Header::stream_names`].
     pub fn stream(&self, at: usize) -> &[u8] {
         let bytes: &[u8] = (*self.bytes).as_ref();
         self.ranges.get(at).and_then(|range| bytes.get(range.clone())).unwrap_or_default()
     }
 
-    /// Bytes of each stream, with its name, without headers.
+    /// Returns the name and the bytes of each stream, without headers.
     pub fn stream_bytes(&self) -> Vec<(String, usize)> {
         let names = self.header.stream_names();
         names.into_iter().enumerate().map(|(at, name)| (name, self.stream(at).len())).collect()
     }
 
-    /// The books and textures with the values that their bits hold.
+    /// Returns the books and textures with the values that their bits hold.
     pub fn unpack(&self) -> (Codebooks, Vec<CompressedTexture>) {
         let Header { grid, rows, .. } = self.header;
         let mut books = Codebooks::new(grid, self.header.encoding, self.header.chroma);

@@ -16,7 +16,16 @@ const CODES: usize = 256;
 /// rounding in the products decides nothing.
 const CLOSE: f32 = 1e-4;
 
-/// Codes with luminance of unit length (or zero) and, where there is any, chrominance as it is.
+/// A set of codes that can be searched for the nearest one to a vector. Codes have luminance of unit length (or
+/// zero) and, where there is any, chrominance as it is.
+///
+/// ```
+/// let mut codes = btf_vq::CodeSet::new(2, 0);
+/// codes.push(&[1.0, 0.0], &[]);
+/// codes.push(&[0.0, 2.0], &[]);
+/// let found = codes.nearest(&[0.1, 3.0], &[]);
+/// assert_eq!(found[0].code, 1);
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct CodeSet {
     luma_len: usize,
@@ -26,10 +35,10 @@ pub struct CodeSet {
     chroma_sq: Vec<f32>,
 }
 
-/// The best code of a vector.
+/// The best code of a vector, with scale and error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
-    /// Which one; the lowest of equals.
+    /// Returns the luminance, of unit length, and the chrominance of a code.
     pub code: usize,
     /// Best scale of its unit luminance, 0 or above.
     pub gain: f32,
@@ -38,22 +47,22 @@ pub struct Match {
 }
 
 impl CodeSet {
-    /// No codes yet, of vectors of so many values.
+    /// Returns an empty set for vectors of `luma_len` values of luminance and `chroma_len` of chrominance.
     pub fn new(luma_len: usize, chroma_len: usize) -> Self {
         Self { luma_len, chroma_len, ..Self::default() }
     }
 
-    /// Number of codes.
+    /// Returns the number of codes.
     pub fn len(&self) -> usize {
         self.chroma_sq.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no codes.
     pub fn is_empty(&self) -> bool {
         self.chroma_sq.is_empty()
     }
 
-    /// Adds a code; its luminance is scaled to unit length. Returns the length it had.
+    /// Adds a code, whose luminance is scaled to unit length, and returns the length it had.
     pub fn push(&mut self, luma: &[f32], chroma: &[f32]) -> f32 {
         let length = dot(luma, luma).sqrt();
         let unit = if length > 0.0 { length.recip() } else { 0.0 };
@@ -71,7 +80,7 @@ impl CodeSet {
         )
     }
 
-    /// Puts other values in the place of a code. Returns the length that its luminance has.
+    /// Replaces a code by other values and returns the length that their luminance has.
     pub fn replace(&mut self, code: usize, luma: &[f32], chroma: &[f32]) -> f32 {
         let length = dot(luma, luma).sqrt();
         let unit = if length > 0.0 { length.recip() } else { 0.0 };
@@ -82,7 +91,7 @@ impl CodeSet {
         length
     }
 
-    /// How one code fits one vector.
+    /// Returns how one code fits one vector.
     pub fn matched(&self, code: usize, luma: &[f32], chroma: &[f32]) -> Match {
         let (unit, colour) = self.code(code);
         let gain = dot(luma, unit).max(0.0);
@@ -90,7 +99,7 @@ impl CodeSet {
         Match { code, gain, score }
     }
 
-    /// The best of codes `from` on for one vector, one after another: the oracle of
+    /// Returns the best of the codes from `from` on for one vector, found one after another: the oracle of
     /// [`CodeSet::nearest`].
     pub fn scan(&self, luma: &[f32], chroma: &[f32], from: usize) -> Option<Match> {
         (from..self.len())
@@ -106,7 +115,7 @@ impl CodeSet {
         }
     }
 
-    /// The best code for each vector, in parallel; empty if there are no codes.
+    /// Returns the best code for each vector, found in parallel; empty if there are no codes.
     pub fn nearest(&self, luma: &[f32], chroma: &[f32]) -> Vec<Match> {
         self.nearest_few(luma, chroma, 1)
             .into_iter()
@@ -114,7 +123,7 @@ impl CodeSet {
             .collect()
     }
 
-    /// The `few` best codes for each vector, best first, the lower first of equals; fewer if there are
+    /// Returns the `few` best codes for each vector, best first and the lower first of equals; fewer if there are
     /// fewer codes. In parallel.
     pub fn nearest_few(&self, luma: &[f32], chroma: &[f32], few: usize) -> Vec<Vec<Match>> {
         let count = self.count(luma, chroma);

@@ -13,7 +13,7 @@ use crate::projected_texels::channel_weights;
 use crate::ssim::{SliceSsim, percentile_98};
 use crate::{AngularGrid, Chroma, Codebooks, IndexCodebook, Rows, TexelSet, VqError};
 
-/// How similar slices are.
+/// A similarity measure of slices, with its threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// Mean squared error in sRGB of a texel; of 3D slices 0.4 of it, of 2D slices 0.4², along β 0.4³.
@@ -31,7 +31,7 @@ impl Measure {
     }
 }
 
-/// How the paper's encoder goes through texels.
+/// Options of the paper's encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperParams {
     /// What is similar enough.
@@ -125,9 +125,10 @@ struct Encoder {
     c: Codes,
 }
 
-/// Compresses sets of texels as the paper does, into books that may hold others already, whose rows stay
-/// as they are; returns the books and, for each set, a row of P6 a texel. Work is counted in
-/// texels, those seen first twice.
+/// Compresses sets of texels as the paper does, into books that may hold others already, whose rows stay as they
+/// are.
+///
+/// Returns the books and, for each set, a row of P6 a texel. Work is counted in texels, those seen first twice.
 ///
 /// # Errors
 ///

@@ -15,8 +15,8 @@ use crate::{AngularGrid, Encoding, TexelSet, VqError};
 /// Texels of the sample that are read together.
 const RUN: usize = 8;
 
-/// Texels in a subspace of `[channel][node]`, where squared lengths weigh nodes as images read them
-/// and channels as RGB has them.
+/// Texels as coefficients in a subspace of `[channel][node]`, in which squared lengths weigh nodes as images read
+/// them and channels as RGB has them.
 #[derive(Clone, Debug)]
 pub struct ProjectedTexels {
     pub(crate) grid: AngularGrid,
@@ -32,7 +32,7 @@ pub struct ProjectedTexels {
     pub clamped: u64,
 }
 
-/// How finely a survey looks.
+/// Options of the projection: how many dimensions, found from how many texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProjectionParams {
     /// Dimensions of the subspace.
@@ -49,7 +49,7 @@ impl Default for ProjectionParams {
 }
 
 impl ProjectedTexels {
-    /// Surveys sets of one grid and encoding. Work is counted in texels.
+    /// Projects sets of texels of one grid and encoding. Work is counted in texels.
     ///
     /// # Errors
     ///
@@ -97,12 +97,12 @@ impl ProjectedTexels {
         Ok(Self { grid, encoding, root_weights, space, coefficients, energies, clamped })
     }
 
-    /// What values mean.
+    /// Returns what values mean.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// Texels of all sets.
+    /// Returns the number of texels of all sets.
     pub fn texels(&self) -> usize {
         self.energies.len()
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How codes are spaced.
+/// The spacing of codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -13,7 +13,13 @@ pub enum Spacing {
     Log,
 }
 
-/// Codes of a few bits for the values of a book.
+/// A map between values of a book and codes of a few bits.
+///
+/// ```
+/// let steps = btf_vq::Quantizer::linear(8, [0.0, 1.0].into_iter());
+/// assert_eq!(steps.encode(0.5), 128);
+/// assert!((steps.decode(128) - 0.5).abs() < 0.002);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Quantizer {
@@ -35,8 +41,7 @@ const LINEAR_RANGE: f32 = 64.0;
 const LEAST_SHARE: f32 = 1e-5;
 
 impl Quantizer {
-    /// Linear steps, as in the paper, or logarithmic ones where values differ by more than a factor of
-    /// 64.
+    /// Returns linear steps, as in the paper, or logarithmic ones where values differ by more than a factor of 64.
     pub fn for_scales(bits: u32, scales: &[f32]) -> Self {
         let (min, max) = range(scales.iter().copied().filter(|s| *s > 0.0));
         let has_zero = scales.contains(&0.0);
@@ -47,14 +52,14 @@ impl Quantizer {
         }
     }
 
-    /// Logarithmic steps over at most five decades below the largest value, so that a few tiny ones do
-    /// not make the others coarse.
+    /// Returns logarithmic steps over at most five decades below the largest value, so that a few tiny ones do not
+    /// make the others coarse.
     pub fn logarithmic(bits: u32, scales: &[f32]) -> Self {
         let (min, max) = range(scales.iter().copied().filter(|s| *s > 0.0));
         Self { bits, spacing: Spacing::Log, min: min.max(max * LEAST_SHARE), max }
     }
 
-    /// Linear steps.
+    /// Returns linear steps between the smallest and the largest value.
     pub fn linear(bits: u32, values: impl Iterator<Item = f32>) -> Self {
         let (min, max) = range(values);
         Self { bits, spacing: Spacing::Linear, min, max }
@@ -68,6 +73,7 @@ impl Quantizer {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
+    /// Returns the code whose value is nearest to `value`.
         reason = "clamped to codes of at most 16 bits"
     )]
     pub fn encode(&self, value: f32) -> u32 {
@@ -84,7 +90,7 @@ impl Quantizer {
         first + (position.clamp(0.0, 1.0) * steps).round() as u32
     }
 
-    /// The value of a code.
+    /// Returns the value of a code.
     pub fn decode(&self, code: u32) -> f32 {
         match self.spacing {
             Spacing::Linear => {
@@ -98,7 +104,7 @@ impl Quantizer {
         }
     }
 
-    /// The values of all codes.
+    /// Returns the values of all codes, in order.
     pub fn table(&self) -> Vec<f32> {
         (0..=self.top()).map(|code| self.decode(code)).collect()
     }

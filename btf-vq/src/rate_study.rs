@@ -20,7 +20,7 @@ use crate::refined::encode_refined;
 use crate::source::BtfSource;
 use crate::texels::TexelSet;
 
-/// What is measured.
+/// A method of compression whose loss is measured at several sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -40,11 +40,11 @@ pub enum RateMethod {
 }
 
 impl RateMethod {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 6] =
         [Self::Refined, Self::Paper, Self::Lpca, Self::LpcaF32, Self::OneLevel, Self::ViewPca];
 
-    /// Returns what tables and plots call it.
+    /// Returns the name of the method in tables and plots.
     pub fn label(self) -> &'static str {
         match self {
             Self::Refined => "refined",
@@ -57,7 +57,7 @@ impl RateMethod {
     }
 }
 
-/// Points that are measured.
+/// The points that [`study_rates`] measures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateSettings {
     /// Which methods.
@@ -84,7 +84,7 @@ impl Default for RateSettings {
     }
 }
 
-/// One point.
+/// One measured point: a method, its size and its fidelity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RateRow {
@@ -99,8 +99,8 @@ pub struct RateRow {
     pub fidelity: Fidelity,
 }
 
-/// Compresses a BTF by every method to several sizes and measures what is lost. f32 rivals and those of a view are
-/// not rounded: no storage of them does better.
+/// Compresses a BTF by every method to several sizes and measures what is lost. Rivals in `f32` and those of single
+/// views are not rounded: no storage of them does better.
 ///
 /// # Errors
 ///

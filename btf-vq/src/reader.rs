@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::sample::LightSampler;
 use crate::{AngularGrid, Decoder, Encoding, LpcaDecoder, LpcaModel, Taps, TextureInfo, VqModel};
 
-/// A compressed BTF.
+/// A compressed BTF, by nested codebooks or by local principal components.
 #[derive(Clone, Debug)]
 pub enum BtfModel {
     /// Nested codebooks.
@@ -17,7 +17,7 @@ pub enum BtfModel {
 }
 
 impl BtfModel {
-    /// The textures.
+    /// Returns name, size and meaning of each texture.
     pub fn textures(&self) -> Vec<TextureInfo> {
         match self {
             Self::Vq(model) => model.header().materials.iter().map(|m| m.info.clone()).collect(),
@@ -25,7 +25,7 @@ impl BtfModel {
         }
     }
 
-    /// Bytes of each stream, by name.
+    /// Returns the name and the bytes of each stream, without headers.
     pub fn stream_bytes(&self) -> Vec<(String, usize)> {
         match self {
             Self::Vq(model) => model.stream_bytes(),
@@ -36,7 +36,7 @@ impl BtfModel {
         }
     }
 
-    /// A stream, by its place in [`BtfModel::stream_bytes`].
+    /// Returns the bytes of a stream, by its place in [`BtfModel::stream_bytes`].
     pub fn stream(&self, at: usize) -> &[u8] {
         match self {
             Self::Vq(model) => model.stream(at),
@@ -44,7 +44,7 @@ impl BtfModel {
         }
     }
 
-    /// A reader of one of the textures; `None` if there are fewer.
+    /// Returns a reader of one of the textures, or `None` if there are fewer.
     pub fn reader(&self, texture: usize) -> Option<BtfReader<'_>> {
         match self {
             Self::Vq(model) => model.decoder(texture).map(BtfReader::Vq),
@@ -53,7 +53,7 @@ impl BtfModel {
     }
 }
 
-/// Reads one texture.
+/// A reader of one texture of a [`BtfModel`].
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there is one for each texture")]
 pub enum BtfReader<'a> {
@@ -64,7 +64,7 @@ pub enum BtfReader<'a> {
 }
 
 impl BtfReader<'_> {
-    /// The grid.
+    /// Returns the grid of directions.
     pub fn grid(&self) -> &AngularGrid {
         match self {
             Self::Vq(decoder) => decoder.grid(),
@@ -72,7 +72,7 @@ impl BtfReader<'_> {
         }
     }
 
-    /// What values mean.
+    /// Returns what values mean.
     pub fn encoding(&self) -> Encoding {
         match self {
             Self::Vq(decoder) => decoder.encoding(),
@@ -80,7 +80,7 @@ impl BtfReader<'_> {
         }
     }
 
-    /// Resolutions.
+    /// Returns the number of resolutions.
     pub fn levels(&self) -> usize {
         match self {
             Self::Vq(decoder) => decoder.levels(),
@@ -88,7 +88,7 @@ impl BtfReader<'_> {
         }
     }
 
-    /// Texels in a row, and rows, of a level; levels past the last are the last.
+    /// Returns the texels in a row, and the rows, of a level; levels past the last are the last.
     pub fn size(&self, level: usize) -> (usize, usize) {
         match self {
             Self::Vq(decoder) => decoder.size(level),
@@ -109,12 +109,12 @@ impl BtfReader<'_> {
         y.min(height - 1) * width + x.min(width - 1)
     }
 
-    /// Where a pair of unit directions of the upper hemisphere lies.
+    /// Returns the taps of a pair of unit directions of the upper hemisphere.
     pub fn taps(&self, wi: DVec3, wo: DVec3) -> Taps {
         Taps::new(self.grid(), wi, wo)
     }
 
-    /// RGB, as [`BtfReader::encoding`] says, of a texel (row-major) of a level.
+    /// Returns the RGB, as [`BtfReader::encoding`] says, of a texel (row-major) of a level.
     ///
     /// # Panics
     ///
@@ -126,7 +126,7 @@ impl BtfReader<'_> {
         }
     }
 
-    /// The same as linear radiance, 0 and above.
+    /// Returns the linear radiance, 0 and above, of a texel (row-major) of a level under a light of irradiance π.
     ///
     /// # Panics
     ///
@@ -139,7 +139,7 @@ impl BtfReader<'_> {
         }
     }
 
-    /// A whole level for one pair of directions.
+    /// Writes the RGB of a whole level for one pair of directions into `out`.
     ///
     /// # Panics
     ///
@@ -172,7 +172,7 @@ impl BtfReader<'_> {
         });
     }
 
-    /// Directions to lights for a texel of a level and a unit view direction.
+    /// Returns a sampler of directions to lights for a texel of a level and a unit view direction.
     ///
     /// # Panics
     ///
@@ -184,8 +184,8 @@ impl BtfReader<'_> {
         }
     }
 
-    /// Share of the light, from everywhere alike, that a texel of a level reflects to a viewer: the
-    /// integral of f cosθi (eq. 6), by the rule of the grid's nodes.
+    /// Returns the share of light, from everywhere alike, that a texel of a level reflects to a viewer: the integral
+    /// of f cosθi (eq. 6), by the rule of the grid's nodes.
     ///
     /// # Panics
     ///

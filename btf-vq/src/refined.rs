@@ -16,7 +16,7 @@ use crate::projected_texels::{ProjectedTexels, channel_weights};
 use crate::subspace::{Subspace, energies};
 use crate::{AngularGrid, Chroma, Codebooks};
 
-/// Rows of the books that are chosen; M has a row for each pair that occurs.
+/// Numbers of rows of the books that are chosen. M is not among them: it has a row for each pair that occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are those of the books")]
 pub struct CodebookSizes {
@@ -29,7 +29,7 @@ pub struct CodebookSizes {
     pub c: usize,
 }
 
-/// Sum of squared errors, in the metric of the survey, that each level adds.
+/// Sums of squared errors, in the metric of the survey, that each level of the books adds.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct LevelErrors {
     /// Of choosing among P4.
@@ -46,14 +46,14 @@ pub struct LevelErrors {
     pub total: f64,
 }
 
-/// Codebooks and a row of P6 for each texel of a survey.
+/// The result of [`encode_refined`]: codebooks, and a row of P6 for each texel of a survey.
 #[derive(Clone, Debug)]
 pub struct Encoded {
     /// The books.
     pub books: Codebooks,
     /// Row of P4 of each texel.
     pub index: Vec<u32>,
-    /// Its scale.
+    /// Scale of each texel.
     pub scale: Vec<f32>,
     /// What was lost.
     pub errors: LevelErrors,
@@ -70,11 +70,11 @@ const SLICE_SAMPLE: usize = 1536;
 /// Codes that are expanded together.
 const CHUNK: usize = 64;
 
-/// Adds rows, of these numbers, to books so that they hold the textures of some surveys; rows that the
-/// books have serve where they fit and stay as they are. The new rows index old and new ones alike.
+/// Adds rows, of these numbers, to books so that they hold the textures of some surveys.
 ///
-/// Textures have rows of P4 of their own, in proportion to their texels, and share all books below, so
-/// that time grows with the number of textures and not with its square.
+/// Rows that the books have serve where they fit and stay as they are. The new rows index old and new ones alike.
+/// Textures have rows of P4 of their own, in proportion to their texels, and share all books below, so that time
+/// grows with the number of textures and not with its square.
 ///
 /// # Errors
 ///

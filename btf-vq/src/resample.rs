@@ -14,7 +14,7 @@ use crate::colour::{to_ycbcr, to_yuv};
 use crate::rbf::DirectionRbf;
 use crate::{AngularGrid, BtfLayout, BtfSource, Encoding, Taps, VqError};
 
-/// Texels that go through the matrices together, as 192 columns; the block of the sources' stores.
+/// Number of texels that go through the matrices together, as 192 columns; also the block of the sources' stores.
 pub const TEXEL_BLOCK: usize = 64;
 /// Directions closer than this, as a distance of unit vectors, are one: 0.01°, since file names give
 /// whole or tenths of degrees.
@@ -28,7 +28,7 @@ enum Slot {
     Interpolated { first: usize, weights: Vec<f32> },
 }
 
-/// Fixed matrices from the images of a layout to the nodes of a grid.
+/// Fixed matrices that take the images of a layout to the nodes of a grid.
 pub struct Resampler {
     grid: AngularGrid,
     encoding: Encoding,
@@ -50,8 +50,8 @@ impl std::fmt::Debug for Resampler {
 }
 
 impl Resampler {
-    /// The matrices for a layout, from the real directions of its images. Lights that most views have
-    /// in common carry the interpolation; where a view lacks one, its own lights give the value.
+    /// Returns the matrices for a layout, from the real directions of its images. Lights that most views have in
+    /// common carry the interpolation; where a view lacks one, its own lights give the value.
     ///
     /// # Errors
     ///
@@ -83,6 +83,7 @@ impl Resampler {
         let rbf = DirectionRbf::new("lights of a view", &common)?;
         let lights = (0..grid.phis).map(|phi| light_matrix(&grid, &rbf, phi)).collect();
         Ok(Self {
+            /// Returns the grid of directions.
             grid,
             encoding: layout.encoding,
             image_count: first,
@@ -90,6 +91,7 @@ impl Resampler {
             slots,
             views,
             lights,
+            /// Returns the number of pairs of view and common light without an image, whose values are interpolated.
             filled,
         })
     }
@@ -104,10 +106,11 @@ impl Resampler {
         self.filled
     }
 
-    /// Resamples consecutive texels of a source block by block, in parallel: `f` gets the texels of a
-    /// block and their values `[texel][channel][node]`, luma and two chrominances of [`crate::colour`].
-    /// Luma that interpolation made negative becomes 0. Returns what `f` made of each block, in order,
-    /// and how many nodes were made 0.
+    /// Resamples consecutive texels of a source block by block, in parallel, and calls `f` with each block.
+    ///
+    /// `f` gets the texels of a block and their values `[texel][channel][node]`, luma and two chrominances of
+    /// [`crate::colour`]. Luma that interpolation made negative becomes 0. Returns what `f` made of each block, in
+    /// order, and how many nodes were made 0.
     ///
     /// # Errors
     ///
@@ -136,7 +139,7 @@ impl Resampler {
         Ok((made, clamped.iter().sum()))
     }
 
-    /// Resamples texels from all over a source, `[texel][channel][node]`.
+    /// Returns chosen texels from all over a source, resampled: `[texel][channel][node]`.
     ///
     /// # Errors
     ///
@@ -262,8 +265,8 @@ impl Resampler {
         clamped
     }
 
-    /// How much each node counts, on average 1: the weights with which the directions of a layout
-    /// read it, and a floor for directions that no image shows.
+    /// Returns how much each node counts, on average 1: the weights with which the directions of a layout read it,
+    /// and a floor for directions that no image shows.
     pub fn node_weights(&self, layout: &BtfLayout) -> Vec<f32> {
         const FLOOR: f32 = 0.05;
         let mut weights = vec![0.0_f32; self.grid.node_count()];

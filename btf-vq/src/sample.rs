@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use crate::decode::ABREAST;
 use crate::{AngularGrid, Decoder, LpcaDecoder, Pair, ViewTaps};
 
-/// Directions to lights for one texel and view.
+/// A sampler of light directions for one texel and view, distributed as its luminance.
 #[derive(Clone, Debug)]
 pub struct LightSampler {
     grid: AngularGrid,
@@ -115,7 +115,7 @@ fn direction(
 }
 
 impl Decoder<'_> {
-    /// Directions to lights for a texel of a level and a unit view direction.
+    /// Returns a sampler of directions to lights for a texel of a level and a unit view direction.
     ///
     /// # Panics
     ///
@@ -131,7 +131,7 @@ impl Decoder<'_> {
 }
 
 impl LpcaDecoder<'_> {
-    /// Directions to lights for a texel of a level and a unit view direction.
+    /// Returns a sampler of directions to lights for a texel of a level and a unit view direction.
     ///
     /// # Panics
     ///
@@ -156,29 +156,29 @@ fn view_nodes(view: &ViewTaps, grid: &AngularGrid) -> impl Iterator<Item = (usiz
         .filter(|(_, weight)| *weight > 0.0)
 }
 
-/// A texel that wants a light.
+/// A texel and a view for which one light direction is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightQuery {
-    /// Row-major, of the finest level.
+    /// The texel of the finest level, row-major.
     pub texel: usize,
     /// Unit view direction of the upper hemisphere.
     pub wo: DVec3,
-    /// Two numbers in [0, 1).
+    /// Two numbers in [0, 1) that decide the direction.
     pub u: [f64; 2],
 }
 
-/// A light sampled for a texel.
+/// A light direction that was drawn for a texel, and its density.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct SampledLight {
-    /// Unit direction.
+    /// Unit direction to the light.
     pub wi: DVec3,
-    /// Per steradian.
+    /// Density with which it was drawn, sr⁻¹.
     pub pdf: f64,
 }
 
 impl Decoder<'_> {
-    /// One direction for each of many texels of the finest level, without tabulating their slices: for
-    /// renderers that draw one light a texel. The same distribution as [`Decoder::light_sampler`].
+    /// Draws one light direction for each of many texels of the finest level, without tabulating their slices: for
+    /// renderers that draw one light a texel. The distribution is that of [`Decoder::light_sampler`].
     ///
     /// # Panics
     ///

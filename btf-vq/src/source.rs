@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::TEXEL_BLOCK;
 
-/// What the numbers of a BTF mean.
+/// The meaning of the numbers of a BTF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -18,7 +18,7 @@ pub enum Encoding {
     Linear,
 }
 
-/// A viewing direction and the lights under which it was seen.
+/// A viewing direction and the lights under which the material was seen from there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BtfView {
     /// Unit direction to the viewer, z along the normal of the sample plane.
@@ -27,7 +27,7 @@ pub struct BtfView {
     pub lights: Vec<DVec3>,
 }
 
-/// Size and directions of a BTF.
+/// Size and directions of a BTF, and the meaning of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BtfLayout {
     /// Texels in a row.
@@ -43,17 +43,17 @@ pub struct BtfLayout {
 }
 
 impl BtfLayout {
-    /// Number of images: for each view, one for each of its lights.
+    /// Returns the number of images: for each view, one for each of its lights.
     pub fn image_count(&self) -> usize {
         self.views.iter().map(|view| view.lights.len()).sum()
     }
 
-    /// Texels of one image.
+    /// Returns the number of texels of one image.
     pub fn texel_count(&self) -> usize {
         self.width * self.height
     }
 
-    /// Bytes of the raw images: 8 bits a channel, or 12 for linear radiance, as the paper counts.
+    /// Returns the bytes of the raw images: 8 bits a channel, or 12 for linear radiance, as the paper counts.
     pub fn raw_bytes(&self) -> u64 {
         let values = 3 * self.image_count() as u64 * self.texel_count() as u64;
         match self.encoding {
@@ -63,16 +63,16 @@ impl BtfLayout {
     }
 }
 
-/// Why a source could not be read.
+/// The reason why a source could not be read.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
 
-/// A BTF that can be read block by block of texels.
+/// A BTF that can be read block by block of texels: the seam between files, or formulas, and this crate.
 pub trait BtfSource: Sync {
-    /// Size and directions.
+    /// Returns size and directions.
     fn layout(&self) -> &BtfLayout;
 
-    /// The values of consecutive texels (row-major) in all images: `out[image][texel][rgb]`, images
-    /// view by view, each view's lights in order; as [`BtfLayout::encoding`] says.
+    /// Writes the values of consecutive texels (row-major) in all images into `out[image][texel][rgb]`, images view
+    /// by view, each view's lights in order; as [`BtfLayout::encoding`] says.
     ///
     /// # Errors
     ///
@@ -83,8 +83,7 @@ pub trait BtfSource: Sync {
     /// If `texels` goes past the last one or `out` has another size.
     fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError>;
 
-    /// A whole image, `out[texel][rgb]`. Sources that keep images together do this faster than by
-    /// blocks.
+    /// Writes a whole image into `out[texel][rgb]`. Sources that keep images together do this faster than by blocks.
     ///
     /// # Errors
     ///

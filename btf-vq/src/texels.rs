@@ -17,7 +17,7 @@ pub struct NodeTable {
 }
 
 impl NodeTable {
-    /// No texels yet.
+    /// Returns a table without texels.
     ///
     /// # Errors
     ///
@@ -27,9 +27,11 @@ impl NodeTable {
         Ok(Self { grid, values: Vec::new() })
     }
 
-    /// Adds a texel by its linear radiance for unit directions `(wi, wo)`, averaged over lights between a
-    /// node and its neighbours, so that lobes narrower than the grid keep their energy; negative values
-    /// become 0. Returns how many.
+    /// Adds a texel by its linear radiance for unit directions `(wi, wo)`, and returns the number of nodes that were
+    /// negative and became 0.
+    ///
+    /// Radiance is averaged over lights between a node and its neighbours, so that lobes narrower than the grid keep
+    /// their energy.
     ///
     /// # Errors
     ///
@@ -65,17 +67,17 @@ impl NodeTable {
         Ok(views.iter().map(|view| view.1).sum())
     }
 
-    /// How many texels there are.
+    /// Returns the number of texels.
     pub fn len(&self) -> usize {
         self.values.len() / (3 * self.grid.node_count())
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no texels.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// Linear radiance of a texel between the nodes around `taps`: what compression cannot better.
+    /// Returns the linear radiance of a texel between the nodes of `taps`: what compression cannot better.
     ///
     /// # Panics
     ///
@@ -146,17 +148,17 @@ impl std::fmt::Debug for TexelSet<'_> {
 }
 
 impl TexelSet<'_> {
-    /// How many there are.
+    /// Returns the number of texels.
     pub fn len(&self) -> usize {
         self.width() * self.height()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no texels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The grid.
+    /// Returns the grid of directions.
     pub fn grid(&self) -> &AngularGrid {
         match self {
             Self::Images { resampler, .. } => resampler.grid(),
@@ -164,7 +166,7 @@ impl TexelSet<'_> {
         }
     }
 
-    /// What values mean.
+    /// Returns what values mean.
     pub fn encoding(&self) -> Encoding {
         match self {
             Self::Images { source, .. } => source.layout().encoding,
@@ -172,7 +174,7 @@ impl TexelSet<'_> {
         }
     }
 
-    /// Whether sets can share books.
+    /// Checks that sets can share books.
     ///
     /// # Errors
     ///
@@ -198,7 +200,7 @@ impl TexelSet<'_> {
         Ok(())
     }
 
-    /// Pairs of view and light without an image, whose values are interpolated.
+    /// Returns the number of pairs of view and light without an image, whose values are interpolated.
     pub fn filled(&self) -> usize {
         match self {
             Self::Images { resampler, .. } => resampler.filled(),

@@ -9,8 +9,8 @@ use glam::DVec3;
 use crate::decode::Taps;
 use crate::reader::BtfReader;
 
-/// A texture that pictures can show: the tile repeats, and coarser levels, where there are some, are taken where a
-/// pixel sees more than a texel.
+/// A texture of a compressed BTF that pictures can show. The tile repeats, and coarser levels, where there are some,
+/// are taken where a pixel sees more than a texel.
 #[derive(Clone, Debug)]
 pub struct TexturedBtf<'a> {
     /// The texture.

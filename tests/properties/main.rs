@@ -6,13 +6,10 @@
     reason = "a test that cannot go on has failed"
 )]
 
-mod errata;
 mod factors;
 mod metrics;
 mod models;
 mod painting;
-mod parametrizations;
-mod projections;
 mod readers;
 mod relighting;
 mod search;

@@ -4,7 +4,7 @@ use super::LpcaHeader;
 use crate::colour::from_luma_chroma;
 use crate::{AngularGrid, Encoding, Taps};
 
-/// Reads a texture of local principal components.
+/// A reader of one texture of an [`LpcaModel`].
 #[derive(Clone, Debug)]
 pub struct LpcaDecoder<'a> {
     header: &'a LpcaHeader,
@@ -27,22 +27,22 @@ impl<'a> LpcaDecoder<'a> {
 }
 
 impl LpcaDecoder<'_> {
-    /// The grid.
+    /// Returns the grid of directions.
     pub fn grid(&self) -> &AngularGrid {
         &self.header.grid
     }
 
-    /// What values mean.
+    /// Returns what values mean.
     pub fn encoding(&self) -> Encoding {
         self.header.encoding
     }
 
-    /// Resolutions.
+    /// Returns the number of resolutions.
     pub fn levels(&self) -> usize {
         self.levels.len()
     }
 
-    /// Texels in a row, and rows, of a level; levels past the last are the last.
+    /// Returns the texels in a row, and the rows, of a level; levels past the last are the last.
     pub fn size(&self, level: usize) -> (usize, usize) {
         let (width, height, _) = self.levels[level.min(self.levels.len() - 1)];
         (width, height)
@@ -86,7 +86,8 @@ impl LpcaDecoder<'_> {
         })
     }
 
-    /// RGB, as [`LpcaDecoder::encoding`] says, of a texel of a level between the nodes around `taps`.
+    /// Returns the RGB, as [`LpcaDecoder::encoding`] says, of a texel of a level, interpolated between the nodes of
+    /// `taps`.
     ///
     /// # Panics
     ///
@@ -110,7 +111,7 @@ impl LpcaDecoder<'_> {
         }
     }
 
-    /// A whole level for one pair of directions: bases are interpolated once.
+    /// Writes the RGB of a whole level for one pair of directions into `out`. Bases are interpolated once.
     ///
     /// # Panics
     ///
@@ -139,7 +140,8 @@ impl LpcaDecoder<'_> {
         }
     }
 
-    /// Luminance of a texel at all light nodes of a view of the grid, `[alpha][beta]`, at least 0.
+    /// Writes the luminance of a texel at all light nodes of a view of the grid into `out`: `[alpha][beta]`, at
+    /// least 0.
     ///
     /// # Panics
     ///

@@ -12,7 +12,8 @@ use crate::{AngularGrid, VqError};
 /// Rounds of choosing spaces and clusters.
 const ITERATIONS: usize = 12;
 
-/// Affine spaces in the coefficients of a survey and a place in one of them for each texel.
+/// A fit of local principal components: affine spaces in the coefficients of a survey, and a place in one of them
+/// for each texel.
 #[derive(Clone, Debug)]
 pub struct LocalPca {
     /// Dimensions of the survey.
@@ -28,7 +29,7 @@ pub struct LocalPca {
 }
 
 impl LocalPca {
-    /// Fits so many spaces of so many dimensions to the texels of a survey.
+    /// Fits `clusters` spaces of `components` dimensions to the texels of a survey.
     pub fn fit(survey: &ProjectedTexels, clusters: usize, components: usize) -> Self {
         let dims = survey.space.dims;
         let components = components.min(dims);
@@ -59,18 +60,18 @@ impl LocalPca {
         Self { dims, components, spaces, cluster, coefficients, error }
     }
 
-    /// Clusters.
+    /// Returns the number of clusters.
     pub fn clusters(&self) -> usize {
         self.spaces.len() / ((self.components + 1) * self.dims)
     }
 
-    /// Components of each.
+    /// Returns the number of components of each cluster.
     pub fn components(&self) -> usize {
         self.components
     }
 }
 
-/// Bytes of bases and texels with values of so many bytes.
+/// Returns the bytes of bases and texels where each value takes `value` bytes.
 pub fn lpca_bytes(
     grid: &AngularGrid,
     texels: usize,
@@ -85,7 +86,7 @@ pub fn lpca_bytes(
 /// Numbers of components that are tried.
 const COMPONENTS: [usize; 13] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32];
 
-/// Returns the best of the fits whose bases and texels take at most so many bytes.
+/// Returns the best of the fits whose bases and texels take at most `bytes` bytes, `value` bytes a value.
 ///
 /// # Errors
 ///

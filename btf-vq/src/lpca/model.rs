@@ -9,7 +9,7 @@ use crate::codebooks::level_size;
 use crate::projected_texels::ProjectedTexels;
 use crate::{AngularGrid, Encoding, SharedBytes, TextureInfo, VqError};
 
-/// A straight line from codes to values.
+/// A straight line from 8-bit codes to values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Steps {
@@ -44,7 +44,7 @@ impl Steps {
     }
 }
 
-/// What the streams mean.
+/// The meaning of the streams of an [`LpcaModel`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LpcaHeader {
@@ -70,7 +70,7 @@ impl LpcaHeader {
         usize::from(self.clusters > 1) + self.components
     }
 
-    /// Names of the streams, in order.
+    /// Returns the names of the streams, in order.
     pub fn stream_names(&self) -> Vec<String> {
         let textures = self.materials.iter().enumerate().flat_map(|(index, material)| {
             (0..material.levels).map(move |level| format!("texels.{index}.{level}"))
@@ -101,7 +101,7 @@ impl LpcaHeader {
     }
 }
 
-/// Local principal components in bytes.
+/// A BTF compressed by local principal components, a byte a value: the rival that the paper compares with.
 #[derive(Clone)]
 pub struct LpcaModel {
     header: LpcaHeader,
@@ -116,7 +116,7 @@ impl std::fmt::Debug for LpcaModel {
 }
 
 impl LpcaModel {
-    /// A model from its header and where each of [`LpcaHeader::stream_names`] lies in `bytes`.
+    /// Returns a model made from its header and the ranges in `bytes` of each of [`LpcaHeader::stream_names`].
     ///
     /// # Errors
     ///
@@ -158,8 +158,8 @@ impl LpcaModel {
         Ok(model)
     }
 
-    /// Packs a fit of a survey whose texels are those of the levels of these materials, one after
-    /// another. Every value loses what a byte cannot hold.
+    /// Packs a fit of a survey into bytes. The texels of the survey are those of the levels of these materials, one
+    /// after another. Every value loses what a byte cannot hold.
     ///
     /// # Errors
     ///
@@ -230,18 +230,18 @@ impl LpcaModel {
         Self::new(header, std::sync::Arc::new(bytes), ranges)
     }
 
-    /// What the streams mean.
+    /// Returns what the streams mean.
     pub fn header(&self) -> &LpcaHeader {
         &self.header
     }
 
-    /// A stream, by its place in [`LpcaHeader::stream_names`].
+    /// Returns the bytes of a stream, by its place in [`LpcaHeader::stream_names`].
     pub fn stream(&self, at: usize) -> &[u8] {
         let bytes: &[u8] = (*self.bytes).as_ref();
         self.ranges.get(at).and_then(|range| bytes.get(range.clone())).unwrap_or_default()
     }
 
-    /// A reader of one of the textures; `None` if there are fewer.
+    /// Returns a reader of one of the textures, or `None` if there are fewer.
     pub fn decoder(&self, material: usize) -> Option<LpcaDecoder<'_>> {
         let texture = self.header.materials.get(material)?;
         let first = 1 + self.header.materials[..material].iter().map(|m| m.levels).sum::<usize>();

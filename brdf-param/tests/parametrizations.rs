@@ -1,9 +1,11 @@
 //! Round trips, reciprocity and isotropy of direction maps and parametrizations.
 
+mod support;
+
 use std::f64::consts::PI;
 
+use crate::support::{cases, direction, pair};
 use brdf_param::{Coordinates, DirectionPair, HemisphereMap, Parametrization};
-use brdf_tests::{direction, pair};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 
@@ -33,7 +35,7 @@ fn tolerance(parametrization: Parametrization, pair: &DirectionPair) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(brdf_tests::cases(20_000))]
+    #![proptest_config(cases(20_000))]
 
     #[test]
     fn hemisphere_maps_return_directions(w in direction()) {

@@ -1,7 +1,9 @@
 //! Projections: orthonormal rows, tight bounds, reciprocal conjugates.
 
+mod support;
+
+use crate::support::{cases, pair};
 use brdf_param::{Bound, DiscRadii, ParabolicPair, Projection, Space, contains_point};
-use brdf_tests::pair;
 use glam::DVec2;
 use proptest::prelude::*;
 
@@ -11,7 +13,7 @@ fn projection() -> impl Strategy<Value = Projection> {
 }
 
 proptest! {
-    #![proptest_config(brdf_tests::cases(2_000))]
+    #![proptest_config(cases(2_000))]
 
     #[test]
     fn rows_are_orthonormal_and_survive_storage(p in projection()) {

@@ -1,11 +1,13 @@
 //! Every printed error of the papers that this code corrects, and what holds instead.
 
+mod support;
+
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::support::{cases, pair};
 use brdf_param::{
     DirectionPair, HalfDifference, Hybrid, OnionSlice, Orthographic, polar_angle, wrap_azimuth,
 };
-use brdf_tests::pair;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -14,7 +16,7 @@ fn theta_k_of(pair: &DirectionPair) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(brdf_tests::cases(20_000))]
+    #![proptest_config(cases(20_000))]
 
     /// Barla et al., section 3: ‖h̄‖ = sin θh cos θd, without the printed square.
     #[test]
