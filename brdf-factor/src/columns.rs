@@ -1,5 +1,5 @@
-//! The columns of the design matrix that belong to one factor: where every sample reads its
-//! texture, and how the texture is smoothed.
+//! The columns of the design matrix that belong to one factor: the places at which the samples read its
+//! texture, and the smoothing of the texture.
 
 use glam::DVec2;
 
@@ -56,7 +56,7 @@ impl Tap {
     }
 }
 
-/// One factor's part of A.
+/// The columns of the design matrix A that belong to one factor.
 #[derive(Clone, Debug)]
 pub struct Columns {
     /// None for a texture of a surface.
@@ -172,33 +172,33 @@ impl Columns {
         }
     }
 
-    /// The coordinates that read the texture, and how they are scaled; none for a texture of a surface.
+    /// Returns the coordinates that read the texture and their scale; `None` for a texture of a surface.
     pub fn description(&self) -> Option<&FactorDescription> {
         self.description.as_ref()
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn samples(&self) -> usize {
         self.taps.first().map_or(0, Vec::len)
     }
 
-    /// Number of texels that are solved for.
+    /// Returns the number of texels that are solved for.
     pub fn unknowns(&self) -> usize {
         self.neighbours.len()
     }
 
-    /// The texels from a solution; texels outside the mask are `None`.
+    /// Returns the texels of a solution; texels outside the mask are `None`.
     pub fn texels<'a>(&'a self, solution: &'a [f64]) -> impl Iterator<Item = Option<f64>> + 'a {
         self.unknown_of.iter().map(|unknown| unknown.map(|u| solution[u as usize]))
     }
 
-    /// A channel of a factor's own texels, as a solution would give them.
+    /// Returns one channel of a factor's texels in the form of a solution: masked texels alone.
     pub fn texels_of(&self, factor: &Factor, channel: usize) -> Vec<f64> {
         let masked = factor.texels().iter().zip(&self.unknown_of).filter(|(_, u)| u.is_some());
         masked.map(|(texel, _)| f64::from(texel[channel])).collect()
     }
 
-    /// Texels that no sample of positive weight touches.
+    /// Returns the indices of texels that no sample of positive weight touches.
     pub fn untouched_texels(&self, weights: &[f64]) -> Vec<usize> {
         let mut touched = vec![false; self.unknowns()];
         for taps in &self.taps {
@@ -218,7 +218,7 @@ impl Columns {
         &self.taps
     }
 
-    /// Adds what these texels give for every sample.
+    /// Adds the log value that these texels give for every sample to `values`: A x.
     pub fn add_values(&self, texels: &[f64], values: &mut [f64]) {
         for taps in &self.taps {
             for (value, tap) in values.iter_mut().zip(taps) {
@@ -227,7 +227,7 @@ impl Columns {
         }
     }
 
-    /// Adds Aᵀ y.
+    /// Adds Aᵀ y to `out`, for one number y for each sample.
     pub fn add_transposed(&self, y: &[f64], out: &mut [f64]) {
         for taps in &self.taps {
             for (tap, &value) in taps.iter().zip(y) {
@@ -239,7 +239,7 @@ impl Columns {
         }
     }
 
-    /// Slopes of the texture at every sample as one coordinate reads it, per unit of texture
+    /// Returns the slopes of the texture at every sample, as one coordinate reads it, per unit of texture
     /// coordinates.
     pub fn slopes<'a>(
         &'a self,
@@ -250,8 +250,9 @@ impl Columns {
         self.taps[coordinate].iter().map(move |tap| tap.slope(texels).map(|slope| scale * slope))
     }
 
-    /// Adds Aᵀ W Y for a matrix Y of `width` columns, row by row: the products of every texel with
-    /// several values per sample at once.
+    /// Adds Aᵀ W Y to `out`, for a matrix Y of `width` columns, stored row by row.
+    ///
+    /// A row of Y holds several values of one sample.
     pub fn add_transposed_rows(&self, weights: &[f64], y: &[f64], width: usize, out: &mut [f64]) {
         for taps in &self.taps {
             pulp::Arch::new().dispatch(AddRows { taps, weights, y, width, out });

@@ -1,4 +1,4 @@
-//! Where a factor looks a direction pair up in its texture.
+//! Coordinates: the place at which a factor reads its texture for a pair of directions.
 
 use brdf_param::{
     Bound, DirectionPair, DiscRadii, HemisphereMap, KautzMcCool, Projection, ScaledProjection,
@@ -7,7 +7,15 @@ use brdf_param::{
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// A map from direction pairs to texture coordinates, before scaling.
+/// A map from direction pairs to texture coordinates, before they are scaled.
+///
+/// ```
+/// use brdf_factor::Coordinate;
+///
+/// assert_eq!(Coordinate::H.dimensions(), 2);
+/// assert_eq!(Coordinate::RadialWi.dimensions(), 1);
+/// assert_eq!(Coordinate::Wi.reciprocal_conjugate(), Coordinate::Wo);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -20,17 +28,19 @@ pub enum Coordinate {
     H,
     /// Parabolic coordinates of the difference vector in the frame of the tangent.
     D,
-    /// |wi⊥|, the length of the light direction's part in the tangent plane; one-dimensional.
+    /// |wi⊥|, the length of the tangent-plane part of the direction to the light, [0, 1];
+    /// one-dimensional.
     RadialWi,
-    /// |wo⊥|; one-dimensional.
+    /// |wo⊥|, the length of the tangent-plane part of the direction to the viewer, [0, 1];
+    /// one-dimensional.
     RadialWo,
-    /// |h⊥| of the unit half vector; one-dimensional.
+    /// |h⊥|, the length of the tangent-plane part of the unit half vector, [0, 1]; one-dimensional.
     RadialH,
     /// A linear projection of the parabolic coordinates of a space.
     Projected {
-        /// What is projected.
+        /// The space that is projected.
         space: Space,
-        /// The plane.
+        /// The plane that it is projected onto.
         projection: Projection,
     },
 }
@@ -66,7 +76,7 @@ pub(crate) enum Reading {
 }
 
 impl Coordinate {
-    /// 1 for radial coordinates, else 2.
+    /// Returns the number of dimensions: 1 for radial coordinates, else 2.
     pub fn dimensions(&self) -> usize {
         match self {
             Self::RadialWi | Self::RadialWo | Self::RadialH => 1,
@@ -74,7 +84,7 @@ impl Coordinate {
         }
     }
 
-    /// The coordinate that gives, for a pair, what this one gives for the swapped pair.
+    /// Returns the coordinate that gives, for a pair, what this one gives for the swapped pair.
     pub fn reciprocal_conjugate(&self) -> Self {
         match *self {
             Self::Wi => Self::Wo,
@@ -201,22 +211,36 @@ impl Radial {
     }
 }
 
-/// A factor to be fitted: the coordinates that share its texture.
+/// A factor to be fitted, given by the coordinates that share its texture.
+///
+/// The logarithm of a factor is the sum of its texture's values at all its coordinates.
+///
+/// ```
+/// use brdf_factor::{Coordinate, FactorSpec};
+///
+/// // One texture is read at wi and at wo, another at the half vector.
+/// let specs = FactorSpec::mccool(true);
+/// assert_eq!(specs.len(), 2);
+/// assert!(specs.contains(&FactorSpec::reciprocal(Coordinate::Wi)));
+/// assert!(specs.iter().all(FactorSpec::is_reciprocal));
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorSpec {
-    /// At least one, all of the same dimension.
+    /// The coordinates: at least one, all of the same number of dimensions.
     pub coordinates: Vec<Coordinate>,
 }
 
 impl FactorSpec {
-    /// A factor with one coordinate.
+    /// Returns a factor with one coordinate.
     pub fn single(coordinate: Coordinate) -> Self {
         Self { coordinates: vec![coordinate] }
     }
 
-    /// A factor whose coordinate shares its texture with its reciprocal conjugate, so that it
-    /// cannot tell light from viewer. A coordinate that is its own conjugate stays alone.
+    /// Returns a factor whose coordinate shares its texture with its reciprocal conjugate.
+    ///
+    /// Such a factor does not change when light and viewer are exchanged. A coordinate that is its own
+    /// conjugate stays alone.
     pub fn reciprocal(coordinate: Coordinate) -> Self {
         let conjugate = coordinate.reciprocal_conjugate();
         if conjugate == coordinate {
@@ -226,7 +250,8 @@ impl FactorSpec {
         }
     }
 
-    /// Light and viewer can be exchanged: the coordinates include the conjugate of each.
+    /// Returns whether the factor stays the same when light and viewer are exchanged: the coordinates
+    /// include the conjugate of each.
     pub fn is_reciprocal(&self) -> bool {
         let has = |wanted: Coordinate| self.coordinates.contains(&wanted);
         self.coordinates.iter().all(|coordinate| has(coordinate.reciprocal_conjugate()))
@@ -236,15 +261,15 @@ impl FactorSpec {
         if reciprocal { Self::reciprocal(coordinate) } else { Self::single(coordinate) }
     }
 
-    /// McCool's p(wi) · q(h) · p(wo); three textures unless `reciprocal`.
+    /// Returns the factors of McCool's p(wi) · q(h) · p(wo): two textures if `reciprocal`, else three.
     ///
     /// Source: McCool, Ang and Ahmad 2001.
     pub fn mccool(reciprocal: bool) -> Vec<Self> {
         Self::around_half([Coordinate::Wi, Coordinate::H, Coordinate::Wo], reciprocal)
     }
 
-    /// The radial factors p(|wi⊥|) · q(|h⊥|) · p(|wo⊥|) of an isotropic material; three textures
-    /// unless `reciprocal`.
+    /// Returns the radial factors p(|wi⊥|) · q(|h⊥|) · p(|wo⊥|) of an isotropic material: two textures if
+    /// `reciprocal`, else three.
     ///
     /// Source: Jaroszkiewicz and McCool 2003.
     pub fn radial(reciprocal: bool) -> Vec<Self> {
@@ -260,7 +285,7 @@ impl FactorSpec {
         }
     }
 
-    /// One factor for each projection of a space.
+    /// Returns one factor for each projection of a space, made reciprocal if asked for.
     pub fn projections(space: Space, projections: &[Projection], reciprocal: bool) -> Vec<Self> {
         projections
             .iter()

@@ -1,10 +1,10 @@
-//! What can go wrong in a factorization.
+//! The errors of a factorization.
 
-/// Errors of this crate.
+/// An error of this crate: input that cannot be fitted, or a system that cannot be solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FactorError {
-    /// Nothing to fit.
+    /// No sample is left to fit.
     #[error("no samples are left to fit: {dropped}")]
     NoSamples {
         /// What was dropped and why.
@@ -13,44 +13,44 @@ pub enum FactorError {
     /// A texture cannot have this size.
     #[error("texture size {size}; expected {min} to {max}")]
     TextureSize {
-        /// The size asked for.
+        /// The size given, texels along a side.
         size: usize,
-        /// Smallest size.
+        /// Smallest size allowed.
         min: usize,
-        /// Largest size.
+        /// Largest size allowed.
         max: usize,
     },
-    /// An option outside its range.
+    /// An option is outside its range.
     #[error("{option} is {value}; expected {expected}")]
     Option {
-        /// Which option.
+        /// Name of the option.
         option: &'static str,
-        /// The value asked for.
+        /// The value given.
         value: f64,
-        /// What would do.
+        /// What is allowed there.
         expected: &'static str,
     },
-    /// A factor list that makes no model.
+    /// A list of factors makes no model.
     #[error("{found}; expected {expected}")]
     Factors {
-        /// What is wrong.
+        /// What was found.
         found: String,
-        /// What would do.
+        /// What is allowed there.
         expected: &'static str,
     },
-    /// Texels that neither a sample nor smoothing holds.
+    /// Texels are determined neither by a sample nor by smoothing.
     #[error(
         "texel ({u}, {v}) of factor {factor} and {others} more are touched by no sample and \
          smoothing is 0; try a smoothing of 1e-4, more samples or smaller textures"
     )]
     FreeTexel {
-        /// The factor, counted from 0.
+        /// Index of the factor, counted from 0.
         factor: usize,
         /// Column of the first such texel.
         u: usize,
         /// Row of the first such texel.
         v: usize,
-        /// How many more there are.
+        /// Number of further such texels.
         others: usize,
     },
     /// The normal equations could not be factored.
@@ -58,9 +58,9 @@ pub enum FactorError {
         "the system of {unknowns} unknowns is singular at pivot {pivot}; try a larger smoothing"
     )]
     Singular {
-        /// Size of the system.
+        /// Number of unknowns of the system.
         unknowns: usize,
-        /// Where the factorization stopped.
+        /// Index of the pivot at which the factorization stopped.
         pivot: usize,
     },
     /// A matrix was inverted for other samples.
@@ -68,7 +68,7 @@ pub enum FactorError {
         "these {samples} samples do not lie where those of the basis lie, or the factors are others;          make a basis for them"
     )]
     OtherSampling {
-        /// How many there are now.
+        /// Number of samples given now.
         samples: usize,
     },
     /// A solver was asked for more than it can hold.
@@ -77,9 +77,9 @@ pub enum FactorError {
          use the LSMR solver or smaller textures"
     )]
     TooManyUnknowns {
-        /// Size of the system.
+        /// Number of unknowns of the system.
         unknowns: usize,
-        /// Largest size that is factored densely.
+        /// Largest number of unknowns that is factored densely.
         max: usize,
     },
 }

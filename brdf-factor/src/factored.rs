@@ -1,4 +1,7 @@
-//! A BRDF as a product of textures, as fitted: bilinear in log texels, sum, inverse log map.
+//! A BRDF as a product of textures.
+//!
+//! A value is the sum of the factors' log values, each bilinear between texels, brought back by the
+//! inverse of the log map.
 
 use brdf_model::{Brdf, Channels, DirectionSlices, Rgb, RgbBatch};
 use brdf_param::{Bound, DirectionPair, DiscRadii};
@@ -8,24 +11,24 @@ use serde::{Deserialize, Serialize};
 use crate::batch;
 use crate::{ChannelTransform, Coordinate, FactorError, Grid};
 
-/// A factor without its texels: what a file says about a texture.
+/// The description of a factor: everything but its texels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorDescription {
     /// The coordinates that read the texture.
     pub coordinates: Vec<Coordinate>,
-    /// The texel grid.
+    /// The grid of texels.
     pub grid: Grid,
-    /// How the image of the coordinates was fitted into the texture.
+    /// The bound by which the image of the coordinates was fitted into the texture.
     pub bound: Bound,
-    /// Largest radii of the coordinates over the training samples.
+    /// Largest radii of the coordinates over the training samples, in parabolic units.
     pub radii: DiscRadii,
-    /// What coordinates are divided by before they meet the grid.
+    /// The extent that coordinates are divided by to give texture coordinates.
     pub extent: DVec2,
 }
 
 impl FactorDescription {
-    /// A description scaled to coordinates of these radii.
+    /// Returns a description with `size` texels a side, scaled to coordinates of these radii.
     ///
     /// # Errors
     ///
@@ -46,11 +49,11 @@ impl FactorDescription {
         Ok(description)
     }
 
-    /// Whether the parts fit together.
+    /// Checks that the parts fit together.
     ///
     /// # Errors
     ///
-    /// [`FactorError::TextureSize`]; [`FactorError::Factors`] unless there are coordinates, all of
+    /// [`FactorError::TextureSize`] for a size outside [`Grid::SIZES`]; [`FactorError::Factors`] unless there are coordinates, all of
     /// the grid's dimension, and radii and extent are positive and finite.
     pub fn check(&self) -> Result<(), FactorError> {
         if !Grid::SIZES.contains(&self.grid.size) {
@@ -76,7 +79,7 @@ impl FactorDescription {
     }
 }
 
-/// One texture and the coordinates that read it.
+/// A factor: one texture of log values and the coordinates that read it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
     description: FactorDescription,
@@ -85,7 +88,7 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// A factor with these texels, or all 0.
+    /// Returns a factor with these texels, or with texels that are all 0.
     ///
     /// # Errors
     ///
@@ -101,33 +104,34 @@ impl Factor {
         Ok(factor)
     }
 
-    /// Everything but the texels.
+    /// Returns the description: everything but the texels.
     pub fn description(&self) -> &FactorDescription {
         &self.description
     }
 
-    /// The coordinates that read the texture.
+    /// Returns the coordinates that read the texture.
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.description.coordinates
     }
 
-    /// The texel grid.
+    /// Returns the grid of texels.
     pub fn grid(&self) -> Grid {
         self.description.grid
     }
 
-    /// What coordinates are divided by before they meet the grid.
+    /// Returns the extent that coordinates are divided by to give texture coordinates.
     pub fn extent(&self) -> DVec2 {
         self.description.extent
     }
 
-    /// Log values row by row, one entry per channel and the rest 0. Texels outside the mask hold
-    /// the mean of their nearest neighbours inside.
+    /// Returns the log values row by row, one entry for each channel and the rest 0.
+    ///
+    /// Texels outside the mask hold the mean of their nearest neighbours inside.
     pub fn texels(&self) -> &[[f32; 4]] {
         &self.texels
     }
 
-    /// Replaces the texels.
+    /// Replaces the texels by these log values, row by row.
     ///
     /// # Errors
     ///
@@ -153,7 +157,7 @@ impl Factor {
         Ok(())
     }
 
-    /// Which texels the image of the coordinates can reach, row by row.
+    /// Returns, row by row, whether the image of the coordinates can reach each texel.
     pub fn mask(&self) -> Vec<bool> {
         let outline: Vec<DVec2> = self
             .coordinates()
@@ -192,19 +196,36 @@ impl Factor {
     }
 }
 
-/// What was done to pairs and values while a model was evaluated.
+/// The numbers of pairs and values that were changed while a model was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EvalCounts {
-    /// Pairs with a direction beyond the grazing limit, which was pulled back to it.
+    /// Number of pairs with a direction beyond the grazing limit, which was pulled back to it.
     pub pulled_back: usize,
-    /// Pairs with a coordinate outside a texture, which was moved to its rim.
+    /// Number of pairs with a coordinate outside a texture, which was moved to its rim.
     pub outside_texture: usize,
-    /// Values with a negative channel, which was set to 0.
+    /// Number of values with a negative channel, which was set to 0.
     pub clamped_below_zero: usize,
 }
 
-/// A factored BRDF.
+/// A BRDF as a product of factors, each a texture.
+///
+/// ```
+/// use brdf_factor::{
+///     ChannelTransform, Coordinate, Factor, FactorDescription, FactoredBrdf, Grid,
+/// };
+/// use brdf_model::Brdf;
+/// use brdf_param::{Bound, DirectionPair, DiscRadii};
+///
+/// // One texture over the half vector whose log texels are all 0: f = exp(0) = 1 sr⁻¹.
+/// let description =
+///     FactorDescription::new(&[Coordinate::H], 4, Bound::Disc, DiscRadii::UNIT)?;
+/// let factor = Factor::new(description, None)?;
+/// let model = FactoredBrdf::new(vec![factor], vec![ChannelTransform::Log], 1.4)?;
+/// assert_eq!(model.payload_bytes(), 4 * 4 * 4);
+/// assert!((model.eval(&DirectionPair::from_angles(0.2, 0.0, 0.9, 1.0)).g - 1.0).abs() < 1e-6);
+/// # Ok::<(), brdf_factor::FactorError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FactoredBrdf {
     factors: Vec<Factor>,
@@ -214,7 +235,8 @@ pub struct FactoredBrdf {
 }
 
 impl FactoredBrdf {
-    /// A model of these factors, with one map per channel.
+    /// Returns the model of these factors, with one log map for each channel and a grazing limit
+    /// `theta_max` in radians.
     ///
     /// # Errors
     ///
@@ -241,32 +263,32 @@ impl FactoredBrdf {
         Ok(Self { factors, maps, theta_max })
     }
 
-    /// The factors.
+    /// Returns the factors.
     pub fn factors(&self) -> &[Factor] {
         &self.factors
     }
 
-    /// The map of each channel.
+    /// Returns the log map of each channel.
     pub fn maps(&self) -> &[ChannelTransform] {
         &self.maps
     }
 
-    /// Grazing limit in radians.
+    /// Returns the grazing limit in radians, (0, π/2].
     pub fn theta_max(&self) -> f64 {
         self.theta_max
     }
 
-    /// One channel or three.
+    /// Returns the channels of the model: one or three.
     pub fn channels(&self) -> Channels {
         if self.maps.len() == 1 { Channels::Luminance } else { Channels::Rgb }
     }
 
-    /// Bytes of the textures as stored: f32 texels times channels.
+    /// Returns the number of bytes of the textures as stored: four for each channel of each texel.
     pub fn payload_bytes(&self) -> usize {
         self.factors.iter().map(|f| f.grid().texels() * self.maps.len() * 4).sum()
     }
 
-    /// The fitted value of each channel, before the inverse log map; unused channels are 0.
+    /// Returns the log value of each channel, before the inverse log map; unused channels are 0.
     pub fn log_values(&self, pair: &DirectionPair) -> [f64; 3] {
         let pair = self.pulled_back(pair);
         let mut sum = [0.0; 3];
@@ -274,8 +296,9 @@ impl FactoredBrdf {
         sum
     }
 
-    /// What evaluating these pairs does to them and to their values. Pairs below the horizon are
-    /// passed over: they give 0 in any case.
+    /// Returns how many of these pairs, and of their values, are changed when the model is evaluated.
+    ///
+    /// Pairs below the horizon are passed over, since their value is 0 in any case.
     pub fn count(&self, pairs: impl IntoIterator<Item = DirectionPair>) -> EvalCounts {
         let mut counts = EvalCounts::default();
         for pair in pairs.into_iter().filter(|pair| pair.wi.z > 0.0 && pair.wo.z > 0.0) {

@@ -12,53 +12,60 @@ use crate::{
     Solver,
 };
 
-/// What a sample's squared log residual is multiplied by.
+/// The weight of a sample: the number that its squared log residual is multiplied by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Weight {
-    /// 1: relative error counts.
+    /// Weight 1, so that relative errors are made small.
     #[default]
     Log,
-    /// f, the mean over channels.
+    /// Weight f, the mean over channels.
     F,
-    /// f²: close to the linear error.
+    /// Weight f², which comes close to making linear errors small.
     F2,
 }
 
-/// Which textures are solved for when a model has several terms.
+/// The textures that are solved for together when a model has several terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TermSolve {
-    /// All of them together.
+    /// All textures.
     #[default]
     All,
-    /// The last n; earlier ones stay as the model with fewer terms left them. The thesis takes 2.
+    /// The last n textures; earlier ones stay as they are in the model of fewer terms. Cole 2002 takes 2.
     Last(usize),
 }
 
-/// Options of a factorization.
+/// The options of a factorization.
+///
+/// ```
+/// use brdf_factor::{FactorParams, Weight};
+///
+/// let params = FactorParams { texture_size: 16, weight: Weight::F, ..FactorParams::default() };
+/// assert!(params.theta_max < std::f64::consts::FRAC_PI_2);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorParams {
     /// Texels along each side of a texture, within [`crate::Grid::SIZES`].
     pub texture_size: usize,
-    /// What image of the coordinates is fitted into the texture.
+    /// The bound by which the image of the coordinates is fitted into the texture.
     pub bound: Bound,
-    /// μ ≥ 0: the Laplacian of each masked texel is weighted by λ² = μ Σw / (texels of the
-    /// factor). 1e-4 costs nothing measurable; 1e-3 costs 5–14 % of log error.
+    /// Smoothing μ ≥ 0: the Laplacian of each masked texel is weighted by λ² = μ Σw / (texels of the
+    /// factor). 1e-4 costs nothing measurable; 1e-3 raises the log error by 5–14 %.
     pub smoothing: f64,
-    /// Which logarithm is fitted.
+    /// The logarithm that is fitted.
     pub log_map: LogTransform,
-    /// How samples are weighted.
+    /// The weights of samples.
     pub weight: Weight,
-    /// How several terms are solved for.
+    /// The textures that are solved for together, where there are several terms.
     pub terms: TermSolve,
-    /// Grazing limit in radians, (0, π/2]: samples beyond it must not be handed in, and evaluation
-    /// pulls directions back to it.
+    /// Grazing limit in radians, (0, π/2]. Samples beyond it must not be given, and evaluation pulls
+    /// directions back to it.
     pub theta_max: f64,
-    /// How the system is solved; `None` lets [`Solver::for_unknowns`] choose.
+    /// The solver of the linear system; `None` lets [`Solver::for_unknowns`] choose.
     pub solver: Option<Solver>,
 }
 
@@ -98,38 +105,53 @@ impl FactorParams {
     }
 }
 
-/// A fitted model and how it came about.
+/// A fitted model, with the counts and iterations of its fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// The model.
+    /// The fitted model.
     pub model: FactoredBrdf,
-    /// Samples that were fitted.
+    /// Number of samples that were fitted.
     pub samples_used: usize,
-    /// What was dropped: before the fit, and by the log map.
+    /// Numbers of samples that were left out, before the fit and by the log map.
     pub dropped: Dropped,
-    /// Samples with a negative channel, a colour outside the gamut, that was set to 0.
+    /// Number of samples with a negative channel, a colour outside the gamut, that was set to 0.
     pub clamped: usize,
-    /// Texels solved for.
+    /// Number of texels that were solved for.
     pub unknowns: usize,
-    /// Texels that no sample touches; smoothing alone holds them.
+    /// Number of texels that no sample touches; smoothing alone determines them.
     pub smoothed_texels: usize,
     /// The solver that ran.
     pub solver: Solver,
-    /// Its iterations, and whether it reached its tolerance.
+    /// Number of iterations of the solver; 0 for a direct one.
     pub iterations: usize,
-    /// Whether the solver reached its tolerance.
+    /// Whether the solver reached its tolerance; true for a direct one.
     pub converged: bool,
-    /// What the solved factors give for every sample before texels are narrowed to f32, one array
-    /// per channel; 0 for samples of weight 0. This is what solvers are compared by.
+    /// Log values that the solved factors give for every sample, before texels are narrowed to f32, one
+    /// array for each channel; 0 for samples of weight 0. Solvers are compared by them.
     pub predictions: Vec<Vec<f64>>,
 }
 
-/// Fits all factors together.
+/// Returns the product of textures that fits a set of samples best, all factors together.
+///
+/// ```
+/// use brdf_factor::{FactorParams, FactorSpec, factorize};
+/// use brdf_model::{Channels, PairSampling, Preset, SampleSet};
+///
+/// let plastic = Preset::find("plastic").expect("a preset").brdf();
+/// let params = FactorParams { texture_size: 8, ..FactorParams::default() };
+/// let sampling = PairSampling { count: 2_000, seed: 1, theta_max: params.theta_max };
+/// let samples = SampleSet::draw(&plastic, &sampling, Channels::Luminance);
+/// let fit = factorize(&samples, &FactorSpec::radial(true), &params)?;
+/// assert_eq!(fit.model.factors().len(), 2);
+/// assert!(fit.converged && fit.samples_used == 2_000);
+/// # Ok::<(), brdf_factor::FactorError>(())
+/// ```
 ///
 /// # Errors
 ///
 /// [`FactorError::NoSamples`], [`FactorError::TextureSize`], [`FactorError::Option`],
 /// [`FactorError::Factors`], [`FactorError::FreeTexel`], [`FactorError::Singular`].
+#[doc(alias = "homomorphic factorization")]
 pub fn factorize(
     samples: &SampleSet,
     specs: &[FactorSpec],
@@ -139,12 +161,15 @@ pub fn factorize(
     solve(&problem, &[], empty_factors(&problem, specs)?)
 }
 
-/// Fits the model of the first factor, of the first two, and so on, as [`FactorParams::terms`]
-/// says; entry k has k + 1 factors.
+/// Returns the fits of the first factor alone, of the first two factors, and so on; entry k has k + 1
+/// factors.
+///
+/// [`FactorParams::terms`] says which factors are solved for again when one is added.
 ///
 /// # Errors
 ///
 /// As [`factorize`].
+#[doc(alias = "homomorphic factorization")]
 pub fn factorize_terms(
     samples: &SampleSet,
     specs: &[FactorSpec],

@@ -1,19 +1,28 @@
-//! Texel grids: where texels lie, which of them matter, and linear interpolation between them.
+//! Grids of texels: their places, a mask of those in use, and linear interpolation between them.
 
 use brdf_param::convex_hull;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// The texels of a factor.
+/// The grid of a factor's texels, in one or two dimensions.
 ///
 /// In two dimensions texel (i, j) of `size` × `size` lies at (−1 + 2i/(size−1), −1 + 2j/(size−1)),
 /// row j; in one dimension texel i lies at i/(size−1).
+///
+/// ```
+/// use brdf_factor::Grid;
+/// use glam::DVec2;
+///
+/// let grid = Grid { dimensions: 2, size: 3 };
+/// assert_eq!((grid.texels(), grid.rows()), (9, 3));
+/// assert_eq!(grid.position(4), DVec2::ZERO, "the middle of the texture");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Grid {
-    /// 1 or 2.
+    /// Number of dimensions, 1 or 2.
     pub dimensions: usize,
-    /// Texels along each side, ≥ 2.
+    /// Number of texels along each side, ≥ 2.
     pub size: usize,
 }
 
@@ -32,20 +41,20 @@ impl Taps {
 }
 
 impl Grid {
-    /// Smallest and largest size of a texture.
+    /// The range of sizes that a texture can have.
     pub const SIZES: std::ops::RangeInclusive<usize> = 2..=1024;
 
-    /// Number of texels.
+    /// Returns the number of texels.
     pub fn texels(&self) -> usize {
         self.size.pow(u32::try_from(self.dimensions).unwrap_or(2))
     }
 
-    /// Rows of the texture: 1 in one dimension.
+    /// Returns the number of rows; 1 in one dimension.
     pub fn rows(&self) -> usize {
         if self.dimensions == 1 { 1 } else { self.size }
     }
 
-    /// Texture coordinates of a texel.
+    /// Returns the texture coordinates of a texel, given by its index row by row.
     pub fn position(&self, texel: usize) -> DVec2 {
         let last = (self.size - 1) as f64;
         let (column, row) = ((texel % self.size) as f64, (texel / self.size) as f64);

@@ -1,8 +1,22 @@
 //! Homomorphic factorization: a BRDF as a product of small textures,
 //! f(wi, wo) ≈ Π p_j(π_j(wi, wo)), solved as a linear least-squares problem for log p_j.
 //!
-//! The coordinates π_j are given here; searching for them is another crate's work. Source: McCool,
-//! Ang and Ahmad 2001; Cole 2002, chapter 3.
+//! Each factor p_j is a texture, and π_j are the coordinates at which a pair of directions reads it.
+//! Taking logarithms turns the product into a sum, so that the best texels are found at once.
+//!
+//! - A [`FactorSpec`] lists the coordinates that share a texture. [`FactorSpec::mccool`] and
+//!   [`FactorSpec::radial`] are published choices, [`FactorSpec::projections`] takes any others.
+//! - [`factorize`] fits the textures to a set of samples; [`FactorParams`] are its options.
+//! - The result is a [`Fit`], which holds a [`FactoredBrdf`]. That is a [`Brdf`](brdf_model::Brdf) again.
+//! - [`cross_validate`] estimates errors on samples that were not fitted.
+//! - [`Preinverted`] fits many sets of values at the same directions, one after another, quickly.
+//! - [`Problem`], [`Columns`], [`LinearSystem`] and [`NormalEquations`] are the parts that a fit is made
+//!   of. A search for better coordinates uses them.
+//!
+//! The coordinates are given here; `brdf-search` finds them. Source: McCool, Ang and Ahmad 2001; Cole
+//! 2002, chapter 3.
+//!
+//! # Example
 //!
 //! ```
 //! use brdf_factor::{FactorParams, FactorSpec, factorize};
@@ -52,3 +66,7 @@ pub use problem::Problem;
 pub use solver::{Solution, Solver};
 pub use surface::{SurfaceProduct, SurfaceTexture};
 pub use validation::{CrossValidation, cross_validate};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -1,4 +1,4 @@
-//! The least-squares problem behind a set of factors: log f = Σ_j A_j x_j, with smoothing.
+//! The least-squares problem of a set of factors: log f = Σ_j A_j x_j, with smoothing.
 //!
 //! Source: Cole 2002, section 3.2.
 
@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use crate::Columns;
 
-/// min ‖A x − y‖²: samples, each weighted by the root of its weight, then for every factor the
-/// Laplacians of its texels and its ridge. The matrix is never formed.
+/// A least-squares problem min ‖A x − y‖², whose matrix A is never formed.
+///
+/// The rows of A are those of the samples, each multiplied by the root of its weight, then for every factor
+/// the Laplacians of its texels and its ridge.
 #[derive(Clone, Debug)]
 pub struct LinearSystem {
     columns: Vec<Arc<Columns>>,
@@ -16,33 +18,34 @@ pub struct LinearSystem {
 }
 
 impl LinearSystem {
-    /// The system of these factors, with one weight ≥ 0 per sample.
+    /// Returns the system of these factors, with one weight ≥ 0 for each sample.
     pub fn new(columns: Vec<Arc<Columns>>, weights: &[f64]) -> Self {
         let weight_roots = weights.iter().map(|w| w.sqrt()).collect();
         Self { columns, weights: weights.to_vec(), weight_roots }
     }
 
-    /// The factors.
+    /// Returns the columns of each factor.
     pub fn columns(&self) -> &[Arc<Columns>] {
         &self.columns
     }
 
-    /// One weight per sample.
+    /// Returns the weight of each sample.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.columns.iter().map(|columns| columns.unknowns()).sum()
     }
 
-    /// Number of rows of A.
+    /// Returns the number of rows of A.
     pub fn row_count(&self) -> usize {
         self.weights.len() + 2 * self.unknowns()
     }
 
-    /// The right-hand side y for one value per sample: weighted, and zero under smoothing.
+    /// Returns the right-hand side y for one target of each sample: weighted targets, then zeros for the
+    /// rows of smoothing and ridge.
     ///
     /// # Panics
     ///
@@ -54,7 +57,7 @@ impl LinearSystem {
         side
     }
 
-    /// A x.
+    /// Returns A x.
     pub fn apply(&self, x: &[f64]) -> Vec<f64> {
         let mut rows = self.weighted(&self.predict(x));
         for (index, columns) in self.columns.iter().enumerate() {
@@ -63,7 +66,7 @@ impl LinearSystem {
         rows
     }
 
-    /// Aᵀ y.
+    /// Returns Aᵀ y.
     pub fn apply_transposed(&self, y: &[f64]) -> Vec<f64> {
         let (samples, mut below) = y.split_at(self.weights.len());
         let weighted = self.weighted(samples);
@@ -79,12 +82,12 @@ impl LinearSystem {
         x
     }
 
-    /// Squared length of every column.
+    /// Returns the squared length of every column of A.
     pub fn column_norms_sq(&self) -> Vec<f64> {
         self.columns.iter().flat_map(|columns| columns.norms_sq(&self.weights)).collect()
     }
 
-    /// What a solution gives for every sample.
+    /// Returns the log value that a solution gives for every sample.
     pub fn predict(&self, x: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; self.weights.len()];
         for (index, columns) in self.columns.iter().enumerate() {
@@ -93,7 +96,7 @@ impl LinearSystem {
         values
     }
 
-    /// The part of a solution that belongs to a factor.
+    /// Returns the part of a solution that belongs to a factor.
     ///
     /// # Panics
     ///

@@ -1,41 +1,49 @@
-//! The maps that turn a product into a sum.
+//! Log maps, which turn a product into a sum.
 
 use serde::{Deserialize, Serialize};
 
 use brdf_model::SampleSet;
 
-/// Which logarithm is fitted.
+/// The kind of logarithm that is fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LogTransform {
-    /// log(a + f) with a = 1e-5 of the channel's mean. Exact zeros stay in.
+    /// log(a + f) with a = 1e-5 of the channel's mean, so that exact zeros can be fitted too.
     #[default]
     Offset,
-    /// log f. Samples with a zero channel are dropped and counted.
+    /// log f; samples with a channel that is zero are dropped and counted.
     Log,
-    /// log(a − f) with a a little above the largest value: resolves highlights, not shadows.
+    /// log(a − f) with a a little above the largest value, which resolves highlights rather than shadows.
     Highlight,
 }
 
-/// The map of one channel.
+/// The log map of one channel, with its constant.
+///
+/// ```
+/// use brdf_factor::ChannelTransform;
+///
+/// let map = ChannelTransform::Offset { a: 0.01 };
+/// assert!((map.forward(0.0) - 0.01_f64.ln()).abs() < 1e-12);
+/// assert!((map.inverse(map.forward(0.3)) - 0.3).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "map", rename_all = "kebab-case")]
 pub enum ChannelTransform {
-    /// ln(a + f).
+    /// The map ln(a + f).
     Offset {
-        /// a in sr⁻¹.
+        /// The offset a, in sr⁻¹.
         a: f64,
     },
-    /// ln f.
+    /// The map ln f.
     Log,
-    /// ln(a − f).
+    /// The map ln(a − f).
     Highlight {
-        /// a in sr⁻¹, above every fitted value.
+        /// The constant a, in sr⁻¹, above every fitted value.
         a: f64,
     },
-    /// The channel is zero everywhere; its texels are not read.
+    /// The map of a channel that is zero everywhere; its texels are not read.
     Zero,
 }
 
@@ -44,7 +52,7 @@ pub enum ChannelTransform {
 const HIGHLIGHT_MARGIN: f64 = 1.01;
 
 impl ChannelTransform {
-    /// The maps of each channel of a set of samples.
+    /// Returns the log map of each channel of a set of samples.
     pub fn for_samples(log_map: LogTransform, samples: &SampleSet) -> Vec<Self> {
         samples
             .values()
@@ -62,12 +70,13 @@ impl ChannelTransform {
             .collect()
     }
 
-    /// ln(a − f) for values up to `largest`; [`ChannelTransform::Zero`] if that is not above 0.
+    /// Returns the map ln(a − f) for values up to `largest`, in sr⁻¹, or [`ChannelTransform::Zero`] if
+    /// `largest` is not above 0.
     pub fn highlight(largest: f64) -> Self {
         if largest > 0.0 { Self::Highlight { a: HIGHLIGHT_MARGIN * largest } } else { Self::Zero }
     }
 
-    /// The value that is fitted for a reflectance in sr⁻¹.
+    /// Returns the log value that is fitted for a reflectance in sr⁻¹.
     pub fn forward(&self, f: f64) -> f64 {
         match *self {
             Self::Offset { a } => (a + f).ln(),
@@ -77,7 +86,7 @@ impl ChannelTransform {
         }
     }
 
-    /// How fast the reflectance changes with a fitted value.
+    /// Returns the derivative of the reflectance by the log value, in sr⁻¹.
     pub fn slope(&self, value: f64) -> f64 {
         match self {
             Self::Offset { .. } | Self::Log => value.exp(),
@@ -86,7 +95,7 @@ impl ChannelTransform {
         }
     }
 
-    /// The reflectance of a fitted value, in sr⁻¹; it may be negative.
+    /// Returns the reflectance of a log value, in sr⁻¹; it may be negative.
     pub fn inverse(&self, value: f64) -> f64 {
         match *self {
             Self::Offset { a } => value.exp() - a,

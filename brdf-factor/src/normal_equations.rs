@@ -1,5 +1,5 @@
-//! The normal equations AᵀWA x = AᵀW y, kept block by block, so that a factor whose coordinates
-//! move costs its own blocks only.
+//! The normal equations AᵀWA x = AᵀW y, kept block by block, so that only the blocks of a factor whose
+//! coordinates move are computed anew.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ struct Block {
     values: Vec<f64>,
 }
 
-/// AᵀWA of a list of factors, smoothing and ridge included.
+/// The matrix AᵀWA of a list of factors, with smoothing and ridge.
 #[derive(Clone, Debug)]
 pub struct NormalEquations {
     columns: Vec<Arc<Columns>>,
@@ -29,27 +29,27 @@ pub struct NormalEquations {
 }
 
 impl NormalEquations {
-    /// Those of no factor.
+    /// Returns the equations of no factor.
     pub fn empty() -> Self {
         Self { columns: Vec::new(), blocks: Vec::new() }
     }
 
-    /// Those of these factors, with one weight per sample.
+    /// Returns the equations of these factors, with one weight for each sample.
     pub fn new(columns: Vec<Arc<Columns>>, weights: &[f64]) -> Self {
         Self::empty().with(columns, weights)
     }
 
-    /// The factors.
+    /// Returns the columns of each factor.
     pub fn columns(&self) -> &[Arc<Columns>] {
         &self.columns
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.columns.iter().map(|columns| columns.unknowns()).sum()
     }
 
-    /// Where the unknowns of each factor begin, and where the last end.
+    /// Returns the index of the first unknown of each factor, and the number of all unknowns at the end.
     pub fn starts(&self) -> Vec<usize> {
         let ends = self.columns.iter().scan(0, |end, columns| {
             *end += columns.unknowns();
@@ -58,7 +58,7 @@ impl NormalEquations {
         std::iter::once(0).chain(ends).collect()
     }
 
-    /// These with more factors; the blocks there are stay.
+    /// Returns the equations with more factors; blocks that exist are kept.
     #[must_use]
     pub fn with(mut self, more: Vec<Arc<Columns>>, weights: &[f64]) -> Self {
         let old = self.columns.len();
@@ -78,7 +78,7 @@ impl NormalEquations {
         self
     }
 
-    /// The blocks of the first `count` factors alone.
+    /// Returns the equations of the first `count` factors alone.
     #[must_use]
     pub fn leading(&self, count: usize) -> Self {
         Self { columns: self.columns[..count].to_vec(), blocks: self.blocks[..count].to_vec() }
@@ -89,22 +89,26 @@ impl NormalEquations {
         self.assemble(0, Vec::new())
     }
 
-    /// The Cholesky factor of the whole matrix. It lives in `buffer`, whatever that held.
+    /// Returns the Cholesky factor of the whole matrix.
+    ///
+    /// The memory of `buffer` is used for it; what it holds does not matter.
     ///
     /// # Errors
     ///
-    /// [`FactorError::Singular`].
+    /// [`FactorError::Singular`] unless the matrix is positive definite.
     pub fn factorize(&self, buffer: Vec<f64>) -> Result<CholeskyFactor, FactorError> {
         CholeskyFactor::of_trailing(self.assemble(0, buffer), self.unknowns(), 0)
     }
 
-    /// The Cholesky factor of the whole matrix, given that of equations whose first `count` factors
-    /// are the same. With A = (A₁₁ ·; A₂₁ A₂₂) and A₁₁ = L₁₁L₁₁ᵀ, L₂₁ = A₂₁L₁₁⁻ᵀ and L₂₂ is the factor of
-    /// A₂₂ − L₂₁L₂₁ᵀ.
+    /// Returns the Cholesky factor of the whole matrix, given that of equations whose first `count` factors
+    /// are the same.
+    ///
+    /// With A = (A₁₁ ·; A₂₁ A₂₂) and A₁₁ = L₁₁L₁₁ᵀ, L₂₁ = A₂₁L₁₁⁻ᵀ and L₂₂ is the factor of A₂₂ − L₂₁L₂₁ᵀ.
+    /// The memory of `buffer` is used; what it holds does not matter.
     ///
     /// # Errors
     ///
-    /// [`FactorError::Singular`].
+    /// [`FactorError::Singular`] unless the matrix is positive definite.
     pub fn factorize_after(
         &self,
         known: &CholeskyFactor,
@@ -152,8 +156,19 @@ impl NormalEquations {
     }
 }
 
-/// The lower Cholesky factor of a positive definite matrix, column by column; what lies above the
-/// diagonal means nothing.
+/// The lower Cholesky factor of a positive definite matrix, stored column by column; the numbers above
+/// the diagonal have no meaning.
+///
+/// ```
+/// use brdf_factor::CholeskyFactor;
+///
+/// // The matrix (4 2; 2 5) is the product of (2 0; 1 2) and its transpose.
+/// let factor = CholeskyFactor::new(vec![4.0, 2.0, 0.0, 5.0], 2)?;
+/// let values = factor.values();
+/// assert!((values[0] - 2.0).abs() < 1e-12 && (values[1] - 1.0).abs() < 1e-12);
+/// assert!((values[3] - 2.0).abs() < 1e-12);
+/// # Ok::<(), brdf_factor::FactorError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct CholeskyFactor {
     size: usize,
@@ -161,7 +176,7 @@ pub struct CholeskyFactor {
 }
 
 impl CholeskyFactor {
-    /// Of the matrix with this lower triangle, given column by column.
+    /// Returns the factor of the matrix of `size` columns with this lower triangle, given column by column.
     ///
     /// # Errors
     ///
@@ -170,7 +185,7 @@ impl CholeskyFactor {
         Self::of_trailing(lower, size, 0)
     }
 
-    /// The memory it lives in, to be used again.
+    /// Returns the memory of the factor, to be used again.
     pub fn into_buffer(self) -> Vec<f64> {
         self.values
     }
@@ -198,7 +213,7 @@ impl CholeskyFactor {
         MatRef::from_column_major_slice(&self.values, self.size, self.size)
     }
 
-    /// Replaces right-hand sides, one per column, by their solutions.
+    /// Replaces right-hand sides, one in each column, by their solutions.
     pub fn solve_in_place(&self, sides: MatMut<'_, f64>) {
         let mut scratch = self.scratch(sides.ncols());
         self.solve_with(sides, &mut scratch);
@@ -214,13 +229,13 @@ impl CholeskyFactor {
         llt::solve::solve_in_place(self.lower(), sides, Par::Seq, MemStack::new(scratch));
     }
 
-    /// The factor, column by column; what lies above the diagonal means nothing.
+    /// Returns the factor, column by column; the numbers above the diagonal have no meaning.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// A factor from its columns, as [`CholeskyFactor::values`] gave them; none unless all are finite and the
-    /// diagonal is above 0.
+    /// Returns the factor of these columns, which [`CholeskyFactor::values`] returned before, or `None` unless
+    /// all are finite and the diagonal is above 0.
     pub fn from_values(values: Vec<f64>) -> Option<Self> {
         let size = values.len().isqrt();
         let diagonal = (0..size).map(|at| values[at * size + at]);

@@ -1,5 +1,5 @@
-//! Samples made ready for fitting: in an order that keeps neighbours together, with their
-//! coordinates, fitted values and weights.
+//! The samples of a fit, with their coordinates, log values and weights, in an order that keeps
+//! neighbours together.
 
 use std::sync::OnceLock;
 
@@ -13,9 +13,9 @@ use crate::{
     LogTransform, Weight,
 };
 
-/// What is fitted, whatever the coordinates.
+/// A set of samples made ready for fitting factors of any coordinates.
 ///
-/// Samples stand in Morton order of their standard coordinates, so that samples which follow each
+/// The samples are in Morton order of their standard coordinates, so that samples which follow each
 /// other read nearby texels under any projection; [`Problem::in_given_order`] undoes it.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -45,11 +45,12 @@ const RADIUS_MARGIN: f64 = 1.0001;
 const SMALLEST_RADIUS: f64 = 1e-6;
 
 impl Problem {
-    /// The problem of fitting `samples`.
+    /// Returns the problem of fitting these samples.
     ///
     /// # Errors
     ///
-    /// [`FactorError::NoSamples`], [`FactorError::Option`].
+    /// [`FactorError::NoSamples`] where none can be fitted; [`FactorError::Option`] for an option outside its
+    /// range.
     pub fn new(samples: &SampleSet, params: &FactorParams) -> Result<Self, FactorError> {
         params.check()?;
         let positive = (params.log_map == LogTransform::Log).then(|| samples.positive());
@@ -88,8 +89,10 @@ impl Problem {
         Self { params, samples, origin, maps, weights, targets, theta_max, spaces }
     }
 
-    /// The same problem over the first `count` of its samples, in the order in which they were handed
-    /// in: every leading part of a drawn set is spread evenly; measured rows should be shuffled. Log maps and scales stay those of the whole problem.
+    /// Returns the problem over the first `count` of its samples, in the order in which they were given.
+    ///
+    /// Every leading part of a drawn set is spread evenly; measured rows should be shuffled first. Log maps
+    /// and scales stay those of the whole problem.
     #[must_use]
     pub fn subset(&self, count: usize) -> Self {
         let keep: Vec<usize> = (0..self.len()).filter(|&at| self.origin[at] < count).collect();
@@ -113,8 +116,8 @@ impl Problem {
         subset
     }
 
-    /// The problem of fitting what is left when these values of every channel and sample are
-    /// explained.
+    /// Returns the problem of fitting what remains after these log values, one for each channel and sample,
+    /// are subtracted.
     ///
     /// # Panics
     ///
@@ -130,95 +133,96 @@ impl Problem {
         rest
     }
 
-    /// The same problem with at least this much smoothing.
+    /// Returns the problem with its smoothing raised to at least `mu`.
     #[must_use]
     pub fn smoothed(mut self, mu: f64) -> Self {
         self.params.smoothing = self.params.smoothing.max(mu);
         self
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// There are none; [`Problem::new`] refuses that.
+    /// Returns whether there are no samples; [`Problem::new`] makes no such problem.
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }
 
-    /// Options of the fit.
+    /// Returns the options of the fit.
     pub fn params(&self) -> &FactorParams {
         &self.params
     }
 
-    /// The log map of each channel.
+    /// Returns the log map of each channel.
     pub fn maps(&self) -> &[ChannelTransform] {
         &self.maps
     }
 
-    /// The fitted values of each channel, dimensionless.
+    /// Returns the log values of each channel, the targets of the fit; they have no unit.
     pub fn targets(&self) -> &[Vec<f64>] {
         &self.targets
     }
 
-    /// The samples' values of each channel, sr⁻¹.
+    /// Returns the values of each channel, in sr⁻¹.
     pub fn values(&self) -> &[Vec<f64>] {
         self.samples.values()
     }
 
-    /// One weight ≥ 0 per sample, shared by all channels.
+    /// Returns the weight of each sample, ≥ 0, which all channels share.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// Sum of the weights.
+    /// Returns the sum of the weights.
     pub fn total_weight(&self) -> f64 {
         self.weights.iter().sum()
     }
 
-    /// The largest angle to the normal that the model will be evaluated at, radians.
+    /// Returns the largest angle to the normal that the model will be evaluated at, in radians.
     pub fn theta_max(&self) -> f64 {
         self.theta_max
     }
 
-    /// What was dropped, before the fit and by the log map.
+    /// Returns the numbers of samples that were left out, before the fit and by the log map.
     pub fn dropped(&self) -> Dropped {
         self.samples.dropped()
     }
 
-    /// Samples with a negative channel that was set to 0.
+    /// Returns the number of samples with a negative channel that was set to 0.
     pub fn clamped(&self) -> usize {
         self.samples.clamped()
     }
 
-    /// The pairs.
+    /// Returns the pairs of the samples.
     pub fn pairs(&self) -> impl ExactSizeIterator<Item = DirectionPair> + '_ {
         self.samples.pairs()
     }
 
-    /// Coordinates of every sample in a space: first.x, first.y, second.x, second.y.
+    /// Returns the coordinates of every sample in a space: first.x, first.y, second.x, second.y.
     pub fn points(&self, space: Space) -> &[[f64; 4]] {
         &self.space(space).points
     }
 
-    /// For each sample its place in the order in which they were handed in.
+    /// Returns, for each sample, its index in the order in which the samples were given.
     pub fn origin(&self) -> &[usize] {
         &self.origin
     }
 
-    /// One value per sample, brought back to the order in which the samples were handed in.
+    /// Returns one value for each sample, brought back to the order in which the samples were given.
     pub fn in_given_order(&self, values: &[f64]) -> Vec<f64> {
         let mut places: Vec<usize> = (0..self.len()).collect();
         places.sort_unstable_by_key(|&at| self.origin[at]);
         places.into_iter().map(|at| values[at]).collect()
     }
 
-    /// A factor without texel values, scaled to the samples.
+    /// Returns a factor whose texels are 0, scaled to the samples.
     ///
     /// # Errors
     ///
-    /// [`FactorError::TextureSize`], [`FactorError::Factors`].
+    /// [`FactorError::TextureSize`] for a size that a texture cannot have; [`FactorError::Factors`] for
+    /// coordinates that make no factor.
     pub fn empty_factor(&self, spec: &FactorSpec, size: usize) -> Result<Factor, FactorError> {
         let none = DiscRadii { first: SMALLEST_RADIUS, second: SMALLEST_RADIUS };
         let largest = spec
@@ -239,14 +243,15 @@ impl Problem {
         )
     }
 
-    /// The columns of the design matrix that belong to a factor.
+    /// Returns the columns of the design matrix that belong to a factor.
     pub fn columns(&self, factor: &Factor) -> Columns {
         Columns::new(self, factor)
     }
 
-    /// The columns of a texture of `size`² texels over a surface, whose samples have these texture
-    /// coordinates in [0, 1]², in the order in which they were handed in. Its first and its last column are
-    /// neighbours where u `wraps`.
+    /// Returns the columns of a texture of `size`² texels over a surface.
+    ///
+    /// The samples have these texture coordinates in [0, 1]², in the order in which they were given. The
+    /// first and the last column of the texture are neighbours where u `wraps`.
     ///
     /// # Panics
     ///

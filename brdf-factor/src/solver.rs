@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{FactorError, LinearSystem, NormalEquations, lsmr, qmr};
 
-/// How the least-squares problem is solved. All agree to 1e-8 in what the solution predicts.
+/// A way to solve the least-squares problem.
+///
+/// The solutions of all three agree to 1e-8 in the values that they give for the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -16,35 +18,36 @@ pub enum Solver {
     /// LSMR on A itself, matrix-free (Fong and Saunders 2011), for large textures.
     Lsmr,
     /// Quasi-minimal residuals on the normal equations (Freund and Nachtigal 1991), the choice of
-    /// McCool and of the thesis; kept for the record and as an oracle.
+    /// McCool, Ang and Ahmad 2001 and of Cole 2002; kept for comparison and for tests.
     Qmr,
 }
 
-/// The solutions, one per right-hand side, and what they cost.
+/// The solutions of a system, one for each right-hand side, and the iterations that they took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// One vector of unknowns per right-hand side.
+    /// One vector of unknowns for each right-hand side.
     pub values: Vec<Vec<f64>>,
-    /// Iterations over all right-hand sides; 0 for a direct solver.
+    /// Number of iterations over all right-hand sides; 0 for a direct solver.
     pub iterations: usize,
     /// Whether an iterative solver reached its tolerance; true for a direct one.
     pub converged: bool,
 }
 
 impl Solver {
-    /// More unknowns than this are not factored densely: the matrix would pass 512 MiB.
+    /// The largest number of unknowns that is factored densely; beyond it the matrix would pass 512 MiB.
     pub const MAX_DENSE: usize = 8192;
 
-    /// Cholesky where the matrix fits, LSMR beyond.
+    /// Returns the default solver for a number of unknowns: Cholesky up to [`Solver::MAX_DENSE`], LSMR
+    /// beyond.
     pub fn for_unknowns(unknowns: usize) -> Self {
         if unknowns <= Self::MAX_DENSE { Self::Cholesky } else { Self::Lsmr }
     }
 
-    /// Solves for every right-hand side.
+    /// Returns the solutions of a system, one for each right-hand side.
     ///
     /// # Errors
     ///
-    /// [`FactorError::Singular`]; [`FactorError::TooManyUnknowns`] for [`Solver::Cholesky`].
+    /// [`FactorError::Singular`] where the normal equations cannot be factored; [`FactorError::TooManyUnknowns`] for [`Solver::Cholesky`].
     pub fn solve(self, system: &LinearSystem, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
         match self {
             Self::Cholesky => cholesky(system, sides),

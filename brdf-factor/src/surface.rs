@@ -8,14 +8,14 @@ use glam::DVec2;
 
 use crate::{ChannelTransform, FactorError, FactoredBrdf, Grid};
 
-/// Log values over texture coordinates (u, v) in [0, 1]².
+/// A texture of log values over the coordinates (u, v) of a surface, [0, 1]².
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceTexture {
-    /// Texels a side; texel (i, j) lies at (i, j) / (size − 1).
+    /// Number of texels along a side; texel (i, j) lies at (i, j) / (size − 1).
     pub size: usize,
-    /// The first and the last column are one place.
+    /// Whether the first and the last column are the same place.
     pub wraps: bool,
-    /// Row by row from v = 0, an entry for each channel and the rest 0.
+    /// Log values row by row from v = 0, one entry for each channel and the rest 0.
     pub texels: Vec<[f32; 4]>,
 }
 
@@ -31,7 +31,7 @@ impl SurfaceTexture {
     }
 }
 
-/// A product of factors of directions and perhaps one of a surface.
+/// A product of factors over directions and, optionally, one factor over a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceProduct {
     angular: FactoredBrdf,
@@ -39,11 +39,11 @@ pub struct SurfaceProduct {
 }
 
 impl SurfaceProduct {
-    /// Of these factors.
+    /// Returns the product of these factors.
     ///
     /// # Errors
     ///
-    /// [`FactorError::TextureSize`], [`FactorError::Factors`] for a surface with other than size² texels.
+    /// [`FactorError::TextureSize`] for a size that a texture cannot have; [`FactorError::Factors`] for a surface with other than size² texels.
     pub fn new(
         angular: FactoredBrdf,
         surface: Option<SurfaceTexture>,
@@ -69,33 +69,33 @@ impl SurfaceProduct {
         Ok(Self { angular, surface })
     }
 
-    /// The factors of directions.
+    /// Returns the factors over directions.
     pub fn angular(&self) -> &FactoredBrdf {
         &self.angular
     }
 
-    /// The same, alone.
+    /// Returns the factors over directions and drops that of the surface.
     pub fn into_angular(self) -> FactoredBrdf {
         self.angular
     }
 
-    /// The factor of the surface.
+    /// Returns the factor over the surface.
     pub fn surface(&self) -> Option<&SurfaceTexture> {
         self.surface.as_ref()
     }
 
-    /// Bytes of the textures as stored.
+    /// Returns the number of bytes of the textures as stored.
     pub fn payload_bytes(&self) -> usize {
         let surface = self.surface.as_ref().map_or(0, |surface| surface.texels.len());
         self.angular.payload_bytes() + surface * self.angular.maps().len() * 4
     }
 
-    /// f in sr⁻¹ at a place, 0 and above; 0 where a direction is not above the surface.
+    /// Returns f in sr⁻¹ for a pair at a place of the surface, never negative; 0 where a direction is not above the surface.
     pub fn eval(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
         self.eval_unclamped(pair, uv).map(|v| v.max(0.0))
     }
 
-    /// The same as the log map gives it, which may be negative.
+    /// Returns f in sr⁻¹ for a pair at a place of the surface, before negative results are clamped to 0.
     pub fn eval_unclamped(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
         let Some(surface) = &self.surface else { return self.angular.eval_unclamped(pair) };
         if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {

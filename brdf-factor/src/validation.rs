@@ -1,28 +1,28 @@
-//! Held-out errors where there is no more data to draw: cross-validation over measured rows.
+//! Cross-validation: held-out errors of measured rows, where no more data can be drawn.
 
 use brdf_model::{FitErrors, SampleSet, log_offsets, measure};
 use rayon::prelude::*;
 
 use crate::{FactorError, FactorParams, FactorSpec, Fit, TermSolve, factorize, factorize_terms};
 
-/// How rows are split and multiplied.
+/// The options of a cross-validation: how rows are split, and how training rows are replicated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CrossValidation {
     /// Number of parts; each is held out once.
     pub folds: usize,
-    /// Copies by rotation about the normal of every training row.
+    /// Number of copies of every training row by rotation about the normal.
     pub rotations: u32,
     /// Whether training rows get reciprocal twins.
     pub reciprocal: bool,
-    /// Which split.
+    /// Seed of the split.
     pub seed: u64,
 }
 
-/// Errors on rows that the model did not see, pooled over the folds.
+/// Returns the errors on rows that were not fitted, pooled over the folds.
 ///
 /// Rows are split before any replication, and rows that an isotropic reciprocal material could not
-/// tell apart stay together. The log offset is that of the training rows of each fold. `None`
-/// where there are too few rows for every fold to hold out one.
+/// tell apart stay together. The log offset is that of the training rows of each fold. The
+/// result is `None` where there are too few rows for every fold to hold out one.
 ///
 /// # Errors
 ///

@@ -15,7 +15,7 @@ const PLOT_MARK: &[u8] = b"<!-- brdf plot -->";
 /// How its tables of directions begin.
 const TABLE_HEADER: &[u8] = b"theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg";
 
-/// What may be overwritten.
+/// The files that may be overwritten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overwrite {
     /// Files that this project wrote: containers, its pictures, tables with its header.
@@ -24,8 +24,21 @@ pub enum Overwrite {
     Anything,
 }
 
-/// Writes a file under a temporary name beside its place, then renames it. Where something that
-/// is no plain file stands there (a pipe, a device), the bytes go straight into it.
+/// Writes a file under a temporary name beside its place, then renames it, so that it appears whole or not at all.
+///
+/// Where something that is no plain file stands there (a pipe, a device), the bytes go straight into it.
+///
+/// ```
+/// use brdf_files::{FileError, Overwrite, write_atomically};
+///
+/// let folder = tempfile::tempdir()?;
+/// let notes = folder.path().join("notes.txt");
+/// std::fs::write(&notes, "written by somebody else")?;
+/// let refused = write_atomically(&notes, b"data", Overwrite::Ours);
+/// assert!(matches!(refused, Err(FileError::InTheWay { .. })));
+/// write_atomically(&notes, b"data", Overwrite::Anything)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -44,7 +57,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8], overwrite: Overwrite) -> Resu
     Ok(())
 }
 
-/// Whether [`write_atomically`] may write a file: worth knowing before work that takes long.
+/// Checks that [`write_atomically`] may write a file: worth knowing before work that takes long.
 ///
 /// # Errors
 ///

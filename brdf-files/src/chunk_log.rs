@@ -8,8 +8,23 @@ use sha2::{Digest, Sha256};
 
 use crate::FileError;
 
-/// A file that starts with a key, what is being made and of what, and goes on with chunks, each with its length
-/// and a hash. A chunk that was cut off is not there.
+/// A log of finished pieces of long work, from which an interrupted run can go on.
+///
+/// The file starts with a key, which stands for what is being made and of what, and goes on with chunks, each with
+/// its length and a hash. A chunk that was cut off is left out.
+///
+/// ```
+/// use brdf_files::ChunkLog;
+///
+/// let folder = tempfile::tempdir()?;
+/// let (path, key) = (folder.path().join("work"), [7; 32]);
+/// ChunkLog::create(&path, &key)?.append(b"first piece")?;
+///
+/// let (log, chunks) = ChunkLog::resume(&path, &key)?;
+/// assert_eq!(chunks, [b"first piece"]);
+/// log.remove()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct ChunkLog {
     path: PathBuf,
@@ -19,7 +34,7 @@ pub struct ChunkLog {
 const MAGIC: &[u8; 8] = b"brdfwork";
 
 impl ChunkLog {
-    /// Begins a file, in place of one that may be there.
+    /// Creates a log, in place of one that may be there.
     ///
     /// # Errors
     ///
@@ -30,8 +45,8 @@ impl ChunkLog {
         Ok(Self { path: path.to_owned(), file })
     }
 
-    /// Opens a file that was begun with the same key and gives its whole chunks; begins one if there is none
-    /// or its key is another.
+    /// Opens a log that was begun with the same key and returns it with its whole chunks. Creates one if there is
+    /// none or its key is another.
     ///
     /// # Errors
     ///
@@ -57,7 +72,7 @@ impl ChunkLog {
         Ok((Self { path: path.to_owned(), file }, chunks))
     }
 
-    /// Adds a chunk.
+    /// Adds a chunk to the end of the file.
     ///
     /// # Errors
     ///
@@ -69,7 +84,7 @@ impl ChunkLog {
         self.file.write_all(&bytes).map_err(FileError::file(&self.path, "writing"))
     }
 
-    /// Deletes the file: the work is done.
+    /// Removes the file: the work is done.
     ///
     /// # Errors
     ///

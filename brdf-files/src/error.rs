@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-/// A problem with a file or folder.
+/// A problem with a file or folder: which one, and what.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
@@ -67,13 +67,13 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// Returns what adds a path and an action to an error of the file system.
+    /// Returns a function that adds a path and an action to an error of the file system, for `map_err`.
     pub fn file(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |problem| Self::File { path, action, problem }
     }
 
-    /// Returns what adds a path to an error of a reader.
+    /// Returns a function that adds a path to an error of a reader, for `map_err`.
     pub fn content<E: Into<Box<dyn Error + Send + Sync>>>(path: &Path) -> impl FnOnce(E) -> Self {
         let path = path.to_owned();
         move |problem| Self::Content { path, problem: problem.into() }

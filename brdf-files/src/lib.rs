@@ -1,5 +1,9 @@
-//! Files as programs of this project treat them: input is mapped, output appears whole or not at all, and
-//! nothing that others wrote is overwritten unasked.
+//! Files as programs should treat them: mapped input, output that appears whole or not at all, resumable work.
+//!
+//! - [`MappedFile`] gives the bytes of a file.
+//! - [`write_atomically`] writes one file, [`OutputFolder`] a folder of results. Nothing that other programs wrote is
+//!   overwritten unless the caller says so ([`Overwrite`]).
+//! - [`ChunkLog`] keeps finished pieces of long work, so that an interrupted run can go on.
 //!
 //! ```
 //! use brdf_files::{MappedFile, Overwrite, write_atomically};
@@ -22,3 +26,7 @@ pub use chunk_log::ChunkLog;
 pub use error::FileError;
 pub use mapped::MappedFile;
 pub use output_folder::OutputFolder;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -9,7 +9,7 @@ use memmap2::Mmap;
 
 use crate::FileError;
 
-/// The content of a file: mapped, or read where a pipe cannot be mapped.
+/// The content of a file as bytes: memory-mapped, or read where a pipe cannot be mapped. It dereferences to `[u8]`.
 #[derive(Debug)]
 pub struct MappedFile(Content);
 
@@ -23,7 +23,7 @@ enum Content {
 const MAX_PIPED: u64 = 1 << 30;
 
 impl MappedFile {
-    /// Maps a file, or reads a pipe of at most 1 GiB to its end.
+    /// Opens a file and maps it, or reads a pipe of at most 1 GiB to its end.
     ///
     /// # Errors
     ///

@@ -28,6 +28,17 @@ const OUR_NAMES: [&str; 12] = [
 ];
 
 /// A folder of results under construction, beside the place where it will appear.
+///
+/// ```
+/// let parent = tempfile::tempdir()?;
+/// let place = parent.path().join("results");
+/// let mut folder = brdf_files::OutputFolder::new(&place, false)?;
+/// folder.write("report.json", b"{\n  \"brdf\": 1\n}")?;
+/// assert!(!place.exists(), "not before it is whole");
+/// folder.finish()?;
+/// assert!(place.join("report.json").exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct OutputFolder {
     place: PathBuf,
@@ -80,8 +91,7 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Creates a folder within the folder and returns where it stands until
-    /// [`OutputFolder::finish`].
+    /// Creates a folder within the folder and returns its path, which is valid until [`OutputFolder::finish`].
     ///
     /// # Errors
     ///
@@ -93,7 +103,7 @@ impl OutputFolder {
         Ok(path)
     }
 
-    /// Whether the disk has room for this many more bytes.
+    /// Checks that the disk has room for `needed` more bytes.
     ///
     /// # Errors
     ///
@@ -107,8 +117,10 @@ impl OutputFolder {
         }
     }
 
-    /// Puts the folder in its place and returns that. Where a folder of ours stood, it is
-    /// replaced; files that we did not write stay, unless one of ours has the same name.
+    /// Moves the folder to its place and returns that place.
+    ///
+    /// A folder of ours that stood there is replaced; files that we did not write stay, unless one of ours has the
+    /// same name.
     ///
     /// # Errors
     ///

@@ -2,7 +2,7 @@
 
 use crate::ImageError;
 
-/// Pixels in a row or column of an image.
+/// Most pixels in a row or column of an image that is read.
 pub const LONGEST_SIDE: usize = 16_384;
 /// Pixels that one byte may claim. Deflate packs at most 1032 bytes into one; a block of 64 pixels of a JPEG takes
 /// at least one bit.
@@ -10,7 +10,13 @@ const PIXELS_PER_BYTE: u64 = 1032;
 /// A file may be all header.
 const SMALLEST_CLAIM: u64 = 1 << 20;
 
-/// Refuses a size that no image has, or that a file of so many bytes cannot hold.
+/// Checks the size that a file's header claims: refuses one that no image has, or that a file of `file_length` bytes
+/// cannot hold.
+///
+/// ```
+/// assert!(brdf_image::check_claim(100, [64, 64]).is_ok());
+/// assert!(brdf_image::check_claim(100, [16_000, 16_000]).is_err());
+/// ```
 ///
 /// # Errors
 ///

@@ -5,6 +5,14 @@ use brdf_model::{Rgb, encode_srgb};
 use crate::film::{Film, Pixel};
 
 /// An 8-bit sRGB picture, row-major from the top left.
+///
+/// ```
+/// use brdf_image::DisplayImage;
+///
+/// let mut sheet = DisplayImage::filled(4, 2, [0, 0, 0]);
+/// sheet.paste(&DisplayImage::filled(2, 2, [255, 0, 0]), 3, 0);
+/// assert_eq!(sheet.pixel(3, 1), [255, 0, 0]);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DisplayImage {
     width: usize,
@@ -12,27 +20,27 @@ pub struct DisplayImage {
 }
 
 impl DisplayImage {
-    /// A picture of one colour.
+    /// Returns a picture of one colour.
     pub fn filled(width: usize, height: usize, colour: [u8; 3]) -> Self {
         Self { width: width.max(1), bytes: colour.repeat(width.max(1) * height) }
     }
 
-    /// Pixels in a row.
+    /// Returns the number of pixels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.bytes.len() / (3 * self.width)
     }
 
-    /// Red, green and blue of every pixel.
+    /// Returns red, green and blue of every pixel, row by row.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The pixel at a column and row.
+    /// Returns the pixel at a column and row.
     ///
     /// # Panics
     ///
@@ -42,7 +50,7 @@ impl DisplayImage {
         [self.bytes[at], self.bytes[at + 1], self.bytes[at + 2]]
     }
 
-    /// Sets a pixel; outside the picture, nothing happens.
+    /// Sets the pixel at a column and row; outside the picture, nothing happens.
     pub fn set(&mut self, column: usize, row: usize, colour: [u8; 3]) {
         if column < self.width && row < self.height() {
             let at = 3 * (row * self.width + column);
@@ -60,10 +68,11 @@ impl DisplayImage {
     }
 }
 
-/// Exposure and the sRGB transfer function: no curve, no bloom; what is too bright is clipped.
+/// An exposure, followed by the sRGB transfer function. There is no curve and no bloom; what is too bright is
+/// clipped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneMap {
-    /// Linear values are multiplied by this.
+    /// Factor by which linear values are multiplied.
     pub exposure: f64,
 }
 
@@ -75,7 +84,7 @@ const NO_DATA: [[u8; 3]; 2] = [[90, 40, 110], [120, 60, 140]];
 const UNCLIPPED: f64 = 0.99;
 
 impl ToneMap {
-    /// The exposure that shows 99 % of the object's pixels unclipped.
+    /// Returns the exposure that shows 99 % of the object's pixels unclipped.
     pub fn exposed_for(film: &Film) -> Self {
         let mut brightest: Vec<f64> = film
             .pixels()
@@ -96,7 +105,7 @@ impl ToneMap {
         Self { exposure: if level > 0.0 { 1.0 / level } else { 1.0 } }
     }
 
-    /// The picture of a film.
+    /// Returns the picture of a film. Pixels without data are chequered.
     pub fn apply(&self, film: &Film) -> DisplayImage {
         let mut picture = DisplayImage::filled(film.width(), film.height(), BACKGROUND);
         for (index, pixel) in film.pixels().iter().enumerate() {
@@ -119,7 +128,7 @@ impl ToneMap {
         picture
     }
 
-    /// Share of the object's pixels with a channel above what can be shown.
+    /// Returns the share of the object's pixels with a channel above what can be shown.
     pub fn clipped_share(&self, film: &Film) -> f64 {
         let (mut clipped, mut total) = (0_u32, 0_u32);
         for pixel in film.pixels() {
@@ -133,6 +142,12 @@ impl ToneMap {
 }
 
 /// Returns the sRGB bytes of a linear colour, clipped.
+///
+/// ```
+/// use brdf_model::Rgb;
+///
+/// assert_eq!(brdf_image::srgb_bytes(Rgb::new(0.0, 0.2140, 2.0)), [0, 127, 255]);
+/// ```
 pub fn srgb_bytes(linear: Rgb) -> [u8; 3] {
     linear.channels().map(|v| to_byte(encode_srgb(v)))
 }

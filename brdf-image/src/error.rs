@@ -1,6 +1,6 @@
 //! What can be wrong with the bytes of an image.
 
-/// A problem with an image.
+/// A problem with an image: its size, its content, or a coder that refused it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {

@@ -13,8 +13,15 @@ use crate::ImageError;
 /// One flat layer of an EXR file with all of its channels.
 pub type ExrLayer = Layer<AnyChannels<FlatSamples>>;
 
-/// Returns the bytes of an EXR image of named f32 channels, each row-major with `width` × `height` values. The same
-/// values give the same bytes on any number of threads.
+/// Returns the bytes of an EXR image of named `f32` channels, each row-major with `width` × `height` values. The
+/// same values give the same bytes on any number of threads.
+///
+/// ```
+/// let bytes = brdf_image::encode_exr(2, 1, &[("Y", vec![0.5, 7.0])])?;
+/// let planes = brdf_image::exr_planes(&bytes)?;
+/// assert_eq!(planes.channel("Y"), Some(&[0.5, 7.0][..]));
+/// # Ok::<(), brdf_image::ImageError>(())
+/// ```
 ///
 /// # Errors
 ///
@@ -44,7 +51,7 @@ pub fn encode_exr(
     Ok(bytes.into_inner())
 }
 
-/// Returns width and height of the first flat layer.
+/// Returns width and height of the first flat layer of an EXR file.
 ///
 /// # Errors
 ///
@@ -56,8 +63,8 @@ pub fn exr_size(bytes: &[u8]) -> Result<[usize; 2], ImageError> {
     Ok([size.width(), size.height()])
 }
 
-/// Returns the channels of the first flat layer. A caller has held the size against the file, see
-/// [`check_claim`](crate::check_claim).
+/// Returns the channels of the first flat layer of an EXR file. Check its size first, see
+/// [`check_claim`](crate::check_claim): the decoder makes room for what the header claims.
 ///
 /// # Errors
 ///

@@ -2,10 +2,10 @@
 
 use brdf_model::Rgb;
 
-/// What a pixel of a film shows.
+/// The content of a pixel of a [`Film`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pixel {
-    /// Nothing.
+    /// Nothing but background.
     Background,
     /// The object, where the material has no data.
     NoData,
@@ -13,7 +13,7 @@ pub enum Pixel {
     Radiance(Rgb, f64),
 }
 
-/// Radiance per pixel, linear RGB, row-major from the top left.
+/// A linear picture: radiance per pixel, linear RGB, row-major from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
@@ -21,7 +21,14 @@ pub struct Film {
 }
 
 impl Film {
-    /// A film from its pixels.
+    /// Returns a film made of its pixels, `width` in a row.
+    ///
+    /// ```
+    /// use brdf_image::{Film, Pixel};
+    ///
+    /// let film = Film::new(3, vec![Pixel::Background; 6]);
+    /// assert_eq!((film.width(), film.height()), (3, 2));
+    /// ```
     ///
     /// # Panics
     ///
@@ -31,17 +38,17 @@ impl Film {
         Self { width, pixels }
     }
 
-    /// Pixels in a row.
+    /// Returns the number of pixels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.pixels.len() / self.width
     }
 
-    /// The pixels, row by row.
+    /// Returns the pixels, row by row from the top.
     pub fn pixels(&self) -> &[Pixel] {
         &self.pixels
     }

@@ -10,7 +10,7 @@ use crate::{ImageError, LONGEST_SIDE};
 /// Most bytes that a decoded picture may take.
 const MOST_BYTES: u64 = 2 << 30;
 
-/// A picture of linear values.
+/// A picture of linear RGB values, without opacity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearImage {
     /// Pixels in a row.
@@ -21,7 +21,7 @@ pub struct LinearImage {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Returns the picture of a Radiance HDR file; `EXPOSURE` is not read.
+/// Returns the picture of a Radiance HDR file. The field `EXPOSURE` is not read.
 ///
 /// # Errors
 ///

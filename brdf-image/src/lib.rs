@@ -1,8 +1,11 @@
-//! Pictures: radiance and what a screen shows of it, side by side with captions, compared as the eye compares
-//! them, and as files.
+//! Pictures of materials: exposure and sRGB, captioned strips, measures of difference, and image files.
 //!
-//! A [`Film`] holds linear radiance, a [`ToneMap`] makes a [`DisplayImage`] of it (stated exposure, sRGB, no
-//! curve), [`strip`] sets several side by side, [`image_errors`] measures how far two films are apart.
+//! - A [`Film`] holds linear radiance. A [`ToneMap`] makes a [`DisplayImage`] of it: a stated exposure, then sRGB, with no
+//!   curve.
+//! - [`strip()`] puts pictures side by side with captions; [`difference`] shows where two films differ.
+//! - [`image_errors`] measures how far two films are apart, by PSNR, SSIM, ꟻLIP and ΔE ITP.
+//! - [`encode_png`] and [`encode_exr`] write, [`decode_picture`], [`decode_hdr`] and [`exr_planes`] read. They work on
+//!   bytes, and a header's size is checked against the length of the file before memory is reserved.
 //!
 //! ```
 //! use brdf_image::{Film, Pixel, ToneMap, encode_png, image_errors};
@@ -41,3 +44,7 @@ pub use image_error::{
 pub use picture::{ExrPlanes, RgbaPicture, decode_picture, exr_planes};
 pub use png::encode_png;
 pub use strip::{DIFFERENCE_GAIN, Panel, difference, strip};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

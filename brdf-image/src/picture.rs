@@ -8,7 +8,7 @@ use image::{DynamicImage, ImageReader, Limits};
 use crate::exr::{exr_error, exr_size, read_exr_layer};
 use crate::{ImageError, LONGEST_SIDE, check_claim};
 
-/// A picture with opacity.
+/// A linear picture with opacity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RgbaPicture {
     /// Pixels in a row.
@@ -19,19 +19,19 @@ pub struct RgbaPicture {
     pub pixels: Vec<[f32; 4]>,
 }
 
-/// The channels of an EXR image by name, each row-major.
+/// The channels of an EXR image by name, each row-major from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrPlanes {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Name and values.
+    /// Name and values of each channel.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 
 impl ExrPlanes {
-    /// Returns the values of a channel.
+    /// Returns the values of a channel, or `None` if there is no such channel.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         let found = self.channels.iter().find(|(own, _)| own == name);
         found.map(|(_, values)| values.as_slice())
@@ -41,8 +41,16 @@ impl ExrPlanes {
 /// Most bytes that a decoded picture may take.
 const MOST_BYTES: u64 = 2 << 30;
 
-/// Returns the picture of a PNG or JPEG of 8 or 16 bits, taken as sRGB, or of a linear EXR. Without opacity all of it
-/// is opaque.
+/// Returns the picture of a PNG or JPEG of 8 or 16 bits, taken as sRGB, or of a linear EXR. Where the file has no
+/// opacity, all of it is opaque.
+///
+/// ```
+/// use brdf_image::{DisplayImage, decode_picture, encode_png};
+///
+/// let red = decode_picture(&encode_png(&DisplayImage::filled(2, 2, [255, 0, 0]))?)?;
+/// assert_eq!(red.pixels[3], [1.0, 0.0, 0.0, 1.0]);
+/// # Ok::<(), brdf_image::ImageError>(())
+/// ```
 ///
 /// # Errors
 ///

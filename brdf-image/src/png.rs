@@ -2,8 +2,8 @@
 
 use crate::{DisplayImage, ImageError};
 
-/// Returns the bytes of a PNG, 8 bits a channel, marked as sRGB and with `brdf` as its Software text, by which this
-/// project knows its own pictures.
+/// Returns the bytes of a PNG, 8 bits a channel, marked as sRGB. Its Software text is `brdf`, by which this project
+/// knows its own pictures.
 ///
 /// # Errors
 ///

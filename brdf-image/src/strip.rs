@@ -5,7 +5,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 use crate::display::{DisplayImage, ToneMap};
 use crate::film::{Film, Pixel};
 
-/// A picture and the line beneath it.
+/// A picture of a [`strip()`] and the line beneath it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Panel {
     /// The picture.
@@ -14,7 +14,7 @@ pub struct Panel {
     pub caption: String,
 }
 
-/// How much differences are brightened in pictures for people.
+/// Factor by which differences are brightened in pictures for people.
 pub const DIFFERENCE_GAIN: u8 = 4;
 
 const PAPER: [u8; 3] = [24, 24, 27];
@@ -22,7 +22,18 @@ const INK: [u8; 3] = [228, 228, 231];
 const GAP: usize = 8;
 const FONT: RasterHeight = RasterHeight::Size16;
 
-/// Panels from left to right, aligned at the top, each with its caption.
+/// Returns panels side by side, from left to right, aligned at the top, each with its caption.
+///
+/// ```
+/// use brdf_image::{DisplayImage, Panel, strip};
+///
+/// let panel = |caption: &str| Panel {
+///     picture: DisplayImage::filled(64, 64, [90; 3]),
+///     caption: caption.to_owned(),
+/// };
+/// let sheet = strip(&[panel("left"), panel("right")]);
+/// assert!(sheet.width() > 128 && sheet.height() > 64);
+/// ```
 pub fn strip(panels: &[Panel]) -> DisplayImage {
     let line = FONT.val() + GAP;
     let height = panels.iter().map(|p| p.picture.height()).max().unwrap_or(0);
@@ -37,8 +48,8 @@ pub fn strip(panels: &[Panel]) -> DisplayImage {
     sheet
 }
 
-/// `gain` times the absolute difference of two films as shown by `tone` (sRGB bytes): black where
-/// they agree, chequered where one of them has no data.
+/// Returns `gain` times the absolute difference of two films as shown by `tone` (sRGB bytes): black where they
+/// agree, chequered where one of them has no data.
 ///
 /// # Panics
 ///

@@ -11,19 +11,19 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 
-/// Where a ray meets a mesh.
+/// The place where a ray meets a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshHit {
-    /// Along the ray.
+    /// Distance along the ray.
     pub distance: f64,
-    /// Which one.
+    /// Index of the triangle.
     pub triangle: usize,
     /// Shares of the second and third corner.
     pub barycentric: [f64; 2],
 }
 
 impl MeshHit {
-    /// Shares of the three corners.
+    /// Returns the shares of the three corners, which sum to 1.
     pub fn weights(&self) -> [f64; 3] {
         let [b, c] = self.barycentric;
         [1.0 - b - c, b, c]

@@ -2,10 +2,20 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// A camera in perspective. Its axes: x right, y up, z from the scene towards it.
+/// A perspective camera. Its axes: x right, y up, z from the scene towards it.
+///
+/// ```
+/// use brdf_mesh::Camera;
+/// use glam::{DVec2, DVec3};
+///
+/// let camera = Camera::looking_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y, 0.5).expect("a view");
+/// let (place, distance) = camera.project(DVec3::ZERO, 200, 100).expect("before the camera");
+/// assert!(place.distance(DVec2::new(100.0, 50.0)) < 1e-9 && (distance - 5.0).abs() < 1e-9);
+/// assert!(camera.ray(place, 200, 100).distance(DVec3::NEG_Z) < 1e-9);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands.
+    /// Place where it stands.
     pub eye: DVec3,
     /// Its axes in those of the scene, as columns.
     axes: DMat3,
@@ -19,8 +29,8 @@ const DISTANCE: f64 = 3.5;
 const FILLED: f64 = 0.96;
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, `up` upwards in its picture, with an angle `fov` across
-    /// in radians. None if it stands on its target, looks along `up`, or the angle is not within (0, π).
+    /// Returns a camera at `eye` that looks at `target`, with `up` upwards in its picture and an angle `fov` across
+    /// in radians. `None` if it stands on its target, looks along `up`, or the angle is not within (0, π).
     pub fn looking_at(eye: DVec3, target: DVec3, up: DVec3, fov: f64) -> Option<Self> {
         let back = (eye - target).try_normalize()?;
         let right = up.cross(back).try_normalize()?;
@@ -29,7 +39,7 @@ impl Camera {
         is_sound.then_some(Self { eye, axes, half_width: (0.5 * fov).tan() })
     }
 
-    /// A camera that shows all of a sphere, from a unit direction.
+    /// Returns a camera that shows all of a sphere, seen from the unit direction `from`.
     pub fn around(centre: DVec3, radius: f64, from: DVec3) -> Self {
         let eye = centre + DISTANCE * radius * from;
         let up = if from.y.abs() < 0.999 { DVec3::Y } else { DVec3::NEG_Z };
@@ -40,33 +50,33 @@ impl Camera {
         Self { eye, axes, half_width }
     }
 
-    /// The angle across the picture, radians.
+    /// Returns the angle across the picture, radians.
     pub fn fov(&self) -> f64 {
         2.0 * self.half_width.atan()
     }
 
-    /// The unit direction in which it looks.
+    /// Returns the unit direction in which it looks.
     pub fn forward(&self) -> DVec3 {
         -self.axes.z_axis
     }
 
-    /// The unit direction that is up in its picture.
+    /// Returns the unit direction that is up in its picture.
     pub fn up(&self) -> DVec3 {
         self.axes.y_axis
     }
 
-    /// A direction of the scene in axes of the camera.
+    /// Returns a direction of the scene in axes of the camera.
     pub fn to_camera(&self, direction: DVec3) -> DVec3 {
         self.axes.transpose() * direction
     }
 
-    /// A direction in axes of the camera in those of the scene.
+    /// Returns a direction in axes of the camera in those of the scene.
     pub fn to_scene(&self, direction: DVec3) -> DVec3 {
         self.axes * direction
     }
 
-    /// The unit direction of the ray through a place of a picture of so many columns and rows, pixels from
-    /// its top left.
+    /// Returns the unit direction of the ray through a place of a picture of `columns` × `rows` pixels; places are
+    /// in pixels from its top left.
     pub fn ray(&self, place: DVec2, columns: usize, rows: usize) -> DVec3 {
         let half = 0.5 * columns as f64;
         let across = (place.x - half) / half * self.half_width;
@@ -74,8 +84,8 @@ impl Camera {
         (self.axes * DVec3::new(across, up, -1.0)).normalize()
     }
 
-    /// Where a point before the camera stands in a picture of so many columns and rows, in pixels from its top left, and
-    /// how far along the view.
+    /// Returns where a point stands in a picture of `columns` × `rows` pixels, in pixels from its top left, and how
+    /// far it is along the view; `None` behind the camera.
     pub fn project(&self, point: DVec3, columns: usize, rows: usize) -> Option<(DVec2, f64)> {
         let local = self.to_camera(point - self.eye);
         let (distance, half) = (-local.z, 0.5 * columns as f64);
@@ -84,7 +94,7 @@ impl Camera {
         (distance > 0.0).then_some((place, distance))
     }
 
-    /// Side of a pixel at a distance of 1, of a picture of so many columns.
+    /// Returns the side of a pixel at a distance of 1, in a picture of `columns` columns.
     pub fn pixel_side(&self, columns: usize) -> f64 {
         2.0 * self.half_width / columns as f64
     }

@@ -1,6 +1,6 @@
 //! What can be wrong with a mesh.
 
-/// A mesh that cannot be used.
+/// A mesh that cannot be read or used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {

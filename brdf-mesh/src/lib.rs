@@ -1,5 +1,10 @@
-//! Triangle meshes to show materials on: what a file gives, repaired and counted; rays; texture coordinates; and
-//! the camera that looks at them.
+//! Triangle meshes to show materials on, with rays, texture coordinates and a camera.
+//!
+//! A [`Soup`] is what a file gives. [`Mesh::new`] repairs it and counts in [`MeshNotes`] what it did; [`parse_mesh`] reads PLY
+//! and OBJ. [`Mesh::hit`] and [`Mesh::surface`] answer rays, and a [`Camera`] makes them. Meshes without texture coordinates
+//! get those of a sphere, or are unwrapped by [`Mesh::with_atlas`].
+//!
+//! Coordinates are right-handed with y up, in any unit of length.
 //!
 //! ```
 //! use brdf_mesh::{Camera, Mesh, Soup};
@@ -31,3 +36,7 @@ pub use error::MeshError;
 pub use mesh::{Mesh, SurfacePoint, UvSource};
 pub use read::parse_mesh;
 pub use soup::{MeshNotes, Soup};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -9,7 +9,7 @@ use crate::error::MeshError;
 use crate::soup::{MeshNotes, Soup};
 use crate::texture_coordinates::TextureCoordinates;
 
-/// How a mesh comes by texture coordinates.
+/// The origin of a mesh's texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -26,6 +26,17 @@ pub enum UvSource {
 ///
 /// Any unit of length; y is up where it matters (tangents, [`Mesh::with_sphere_coordinates`]).
 /// Triangles are wound counter-clockwise seen from outside; both sides are hit.
+///
+/// ```
+/// use brdf_mesh::{Mesh, Soup};
+/// use glam::DVec3;
+///
+/// let (torus, _) = Mesh::new(Soup::torus())?;
+/// let hit = torus.hit(DVec3::new(1.0, 9.0, 0.0), DVec3::NEG_Y, 0.0).expect("the top of the tube");
+/// assert!((hit.distance - 8.5).abs() < 1e-2);
+/// assert!(torus.surface(&hit).normal.y > 0.99);
+/// # Ok::<(), brdf_mesh::MeshError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Mesh {
     positions: Vec<DVec3>,
@@ -39,17 +50,17 @@ pub struct Mesh {
     lowest: f64,
 }
 
-/// A place on a mesh, in its axes.
+/// A place on a mesh with its normals, tangent and texture coordinates, in the mesh's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// Where it is.
+    /// Position of the point.
     pub position: DVec3,
     /// Unit normal of the triangle, to the side that its corners' normals are on.
     pub face_normal: DVec3,
     /// Smooth unit normal.
     pub normal: DVec3,
-    /// Unit, at a right angle to the smooth normal: along u where the file has texture coordinates,
-    /// elsewhere to the east, around the vertical axis.
+    /// Unit tangent at a right angle to the smooth normal: along u where the file has texture coordinates, elsewhere
+    /// to the east, around the vertical axis.
     pub tangent: DVec3,
     /// Texture coordinates; [0, 1]² unless the file's repeat a tile.
     pub uv: DVec2,
@@ -65,7 +76,7 @@ impl SurfacePoint {
         }
     }
 
-    /// The same seen from the other side, if that is where a direction points.
+    /// Returns the point seen from the other side, if that is where `direction` points; else the point itself.
     #[must_use]
     pub fn facing(self, direction: DVec3) -> Self {
         if self.face_normal.dot(direction) >= 0.0 {
@@ -74,15 +85,17 @@ impl SurfacePoint {
         Self { face_normal: -self.face_normal, normal: -self.normal, ..self }
     }
 
-    /// A direction of the mesh's axes in those of the surface: tangent, bitangent, normal.
+    /// Returns a direction of the mesh's axes in those of the surface: tangent, bitangent, normal.
     pub fn to_local(&self, direction: DVec3) -> DVec3 {
         self.frame().to_local(direction)
     }
 }
 
 impl Mesh {
-    /// Repairs what a file gives, and says what was done: triangles without area and vertices that no
-    /// triangle names are dropped, normals that are missing are the angle-weighted means of the faces.
+    /// Builds a mesh from what a file gives, repaired, and returns it with notes on what was done.
+    ///
+    /// Triangles without area and vertices that no triangle names are dropped. Normals that are missing become the
+    /// angle-weighted means of the faces.
     ///
     /// # Errors
     ///
@@ -107,37 +120,37 @@ impl Mesh {
         Ok((mesh, notes))
     }
 
-    /// Corners of the triangles.
+    /// Returns the vertices.
     pub fn positions(&self) -> &[DVec3] {
         &self.positions
     }
 
-    /// Smooth unit normals of the corners.
+    /// Returns the smooth unit normals of the vertices.
     pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }
 
-    /// The triangles' corners.
+    /// Returns the triangles, as three vertices each.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// Centre of the box around all corners.
+    /// Returns the centre of the box around all vertices.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// Radius of the sphere about the centre that holds all corners.
+    /// Returns the radius of the sphere about the centre that holds all vertices.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The lowest corner's height.
+    /// Returns the height (y) of the lowest vertex.
     pub fn lowest(&self) -> f64 {
         self.lowest
     }
 
-    /// Where its texture coordinates are from.
+    /// Returns where the texture coordinates are from.
     pub fn uv_source(&self) -> UvSource {
         match self.coordinates {
             TextureCoordinates::Sphere { .. } => UvSource::Sphere,
@@ -146,24 +159,26 @@ impl Mesh {
         }
     }
 
-    /// Whether u goes around: 0 and 1 are the same place.
+    /// Returns whether u goes around, so that 0 and 1 are the same place.
     pub fn wraps_around(&self) -> bool {
         self.uv_source() == UvSource::Sphere
     }
 
-    /// Whether all texture coordinates lie in [0, 1]²; those of a file may repeat a tile.
+    /// Returns whether all texture coordinates lie in [0, 1]²; those of a file may repeat a tile.
     pub fn lies_on_one_tile(&self) -> bool {
         self.coordinates.lie_on_one_tile()
     }
 
-    /// The same with longitude and latitude about its centre as texture coordinates, which any other
-    /// mesh has too: u counts from the back (−z) over the left (−x), v from the bottom.
+    /// Returns the mesh with longitude and latitude about its centre as texture coordinates.
+    ///
+    /// u counts from the back (−z) over the left (−x), v from the bottom. Meshes whose files have no texture
+    /// coordinates have these.
     #[must_use]
     pub fn with_sphere_coordinates(self) -> Self {
         Self { coordinates: TextureCoordinates::Sphere { centre: self.centre }, ..self }
     }
 
-    /// The same, unwrapped into charts that do not overlap, on a page of `size` texels a side with a few
+    /// Returns the mesh unwrapped into charts that do not overlap, on a page of `size` texels a side with a few
     /// empty ones between.
     ///
     /// # Errors
@@ -183,22 +198,23 @@ impl Mesh {
         })
     }
 
-    /// The nearest place that a ray from `origin` along a unit direction meets, at least `least` away.
+    /// Returns the nearest place that a ray from `origin` along a unit direction meets, at least `least` away, or
+    /// `None`.
     pub fn hit(&self, origin: DVec3, direction: DVec3, least: f64) -> Option<MeshHit> {
         self.bvh.nearest(&self.positions, &self.triangles, origin, direction, least)
     }
 
-    /// Whether anything stands between a point and a distance along a unit direction.
+    /// Returns whether anything stands between `origin` and a distance along a unit direction.
     pub fn is_shadowed(&self, origin: DVec3, direction: DVec3, distance: f64) -> bool {
         self.bvh.any(&self.positions, &self.triangles, origin, direction, distance)
     }
 
-    /// How far a shadow ray starts from the surface, so that rounding does not shade it.
+    /// Returns how far from the surface a shadow ray should start, so that rounding does not shade it.
     pub fn shadow_offset(&self) -> f64 {
         1e-5 * self.radius
     }
 
-    /// The surface where a ray met it.
+    /// Returns the point of the surface where a ray met it.
     ///
     /// # Panics
     ///
@@ -229,7 +245,8 @@ impl Mesh {
             .unwrap_or_else(|| normal.any_orthonormal_vector())
     }
 
-    /// Returns the units of texture coordinates along a unit of length of a triangle at a place, a mean over both ways.
+    /// Returns the units of texture coordinates along a unit of length, at a place of a triangle: a mean over both
+    /// ways.
     ///
     /// # Panics
     ///

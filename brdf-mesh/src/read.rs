@@ -4,8 +4,14 @@ use crate::error::MeshError;
 use crate::mesh::Mesh;
 use crate::soup::MeshNotes;
 
-/// Returns the mesh of the bytes of a PLY or OBJ file, repaired, and what was done; polygons become fans of
-/// triangles.
+/// Reads a mesh from the bytes of a PLY or OBJ file, repairs it, and returns it with notes on what was done.
+/// Polygons become fans of triangles.
+///
+/// ```
+/// let (mesh, notes) = brdf_mesh::parse_mesh(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")?;
+/// assert_eq!((mesh.triangles().len(), notes.open_edges), (2, 4));
+/// # Ok::<(), brdf_mesh::MeshError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -7,20 +7,20 @@ use serde::Serialize;
 
 use crate::error::MeshError;
 
-/// Triangles as a file gives them.
+/// Triangles as a file gives them, not yet checked.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Soup {
-    /// Of all vertices.
+    /// Positions of the vertices, in any unit.
     pub positions: Vec<DVec3>,
-    /// One for each vertex, of any length above 0.
+    /// Normals, one for each vertex, of any length above 0.
     pub normals: Option<Vec<DVec3>>,
     /// Texture coordinates, one for each vertex.
     pub uv: Option<Vec<DVec2>>,
-    /// Counter-clockwise seen from outside.
+    /// Three vertices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What a mesh has, and what was repaired.
+/// Counts of what a mesh has and of what was repaired.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MeshNotes {
@@ -49,7 +49,7 @@ pub struct MeshNotes {
 }
 
 impl MeshNotes {
-    /// A line for each thing that was repaired or may surprise.
+    /// Returns a line of text for each thing that was repaired or may surprise.
     pub fn lines(&self) -> Vec<String> {
         let counted = [
             (self.unreferenced, "vertices that no triangle names, dropped"),
@@ -78,8 +78,8 @@ const LEAST_VOLUME: f64 = 0.02;
 const THINNEST: f64 = 1e-12;
 
 impl Soup {
-    /// A torus about the vertical, 3 across, with a tube of half that: smooth normals, every angle to a light,
-    /// and texture coordinates, u around the axis and v around the tube.
+    /// Returns a torus about the vertical, 3 across, with a tube of half that: smooth normals, every angle to a
+    /// light, and texture coordinates, u around the axis and v around the tube.
     pub fn torus() -> Self {
         const AROUND: u32 = 96;
         const TUBE: u32 = 48;

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::Rgb;
 
-/// Direction pairs, one array per component, in f32: borrowed, all six of the same length.
+/// Direction pairs as six borrowed arrays of f32, one for each component, all of the same length.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionSlices<'a> {
     wi: [&'a [f32]; 3],
@@ -13,8 +13,8 @@ pub struct DirectionSlices<'a> {
 }
 
 impl<'a> DirectionSlices<'a> {
-    /// Returns the pairs of x, y and z of directions to the light and to the viewer; none unless all six slices have
-    /// the same length.
+    /// Returns the pairs whose directions to the light and to the viewer have these x, y and z, or `None`
+    /// unless all six slices have the same length.
     pub fn new(wi: [&'a [f32]; 3], wo: [&'a [f32]; 3]) -> Option<Self> {
         let len = wi[0].len();
         wi.iter().chain(&wo).all(|slice| slice.len() == len).then_some(Self { wi, wo })
@@ -53,7 +53,17 @@ impl<'a> DirectionSlices<'a> {
     }
 }
 
-/// Direction pairs, one array per component, in f32.
+/// Direction pairs as six arrays of f32, one for each component.
+///
+/// ```
+/// use brdf_model::DirectionBatch;
+/// use brdf_param::DirectionPair;
+///
+/// let mut batch = DirectionBatch::default();
+/// batch.push(&DirectionPair::from_angles(0.0, 0.0, 0.5, 0.0));
+/// assert_eq!(batch.len(), 1);
+/// assert_eq!(batch.as_slices().wi()[2], [1.0]);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DirectionBatch {
     wi: [Vec<f32>; 3],
@@ -104,26 +114,26 @@ impl<'a> FromIterator<&'a DirectionPair> for DirectionBatch {
     }
 }
 
-/// BRDF values, one array per channel, in sr⁻¹ and f32.
+/// BRDF values as three arrays of f32, one for each channel, in sr⁻¹.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RgbBatch {
-    /// Red.
+    /// Red values.
     pub r: Vec<f32>,
-    /// Green.
+    /// Green values.
     pub g: Vec<f32>,
-    /// Blue.
+    /// Blue values.
     pub b: Vec<f32>,
 }
 
 impl RgbBatch {
-    /// Makes room for `len` values; what they are is not specified.
+    /// Resizes the arrays to `len` values; what the values are is not specified.
     pub fn resize(&mut self, len: usize) {
         for channel in [&mut self.r, &mut self.g, &mut self.b] {
             channel.resize(len, 0.0);
         }
     }
 
-    /// The value at `index`.
+    /// Returns the value at `index`.
     ///
     /// # Panics
     ///
@@ -132,7 +142,7 @@ impl RgbBatch {
         Rgb::new(self.r[index].into(), self.g[index].into(), self.b[index].into())
     }
 
-    /// Stores a value, narrowed to f32.
+    /// Writes the value at `index`, narrowed to f32.
     ///
     /// # Panics
     ///

@@ -1,4 +1,4 @@
-//! Physical plausibility: reciprocity, energy, and how much of the domain has data.
+//! Checks of physical plausibility: reciprocity, energy, and how much of the domain has data.
 
 use std::f64::consts::PI;
 
@@ -8,32 +8,44 @@ use serde::Serialize;
 use crate::sampling::cosine_hemisphere;
 use crate::{Brdf, PairSampling, Rgb, SampleSet, ScrambledSobol};
 
-/// What [`check`] found.
+/// The results of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PhysicalChecks {
     /// Mean of |f(a, b) − f(b, a)| divided by the mean of f, over all channels.
     pub reciprocity_error: f64,
-    /// The largest directional albedo of any channel; above 1, more light leaves than arrives.
+    /// Largest directional albedo of any channel; above 1, more light leaves than arrives.
     pub largest_albedo: f64,
-    /// The angle of incidence at which it occurs, degrees.
+    /// Angle of incidence at which the largest albedo occurs, degrees.
     pub largest_albedo_theta_deg: f64,
     /// Share of pairs within the grazing limit that have data.
     pub coverage: Coverage,
 }
 
-/// How much of the domain has data.
+/// The share of the domain that has data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
     /// Share of pairs with data, [0, 1].
     pub share: f64,
-    /// Grazing limit that the pairs were drawn within, degrees.
+    /// Largest angle to the normal of the pairs that were drawn, degrees.
     pub max_theta_deg: f64,
 }
 
-/// Checks a model at 20,000 pairs within `theta_max` radians, and its albedo at sixteen angles of
-/// incidence up to there.
+/// Returns the reciprocity error, the largest albedo and the coverage of a model.
+///
+/// Reciprocity and coverage are taken over 20,000 pairs within `theta_max` radians of the normal, the
+/// albedo over sixteen angles of incidence up to `theta_max`.
+///
+/// ```
+/// use brdf_model::{Preset, check};
+///
+/// let lambert = Preset::find("lambert").expect("a preset of this crate").brdf();
+/// let checks = check(&lambert, 1.4);
+/// assert!(checks.reciprocity_error < 1e-12);
+/// assert!((checks.largest_albedo - 0.5).abs() < 1e-2);
+/// assert_eq!(checks.coverage.share, 1.0);
+/// ```
 pub fn check(brdf: &dyn Brdf, theta_max: f64) -> PhysicalChecks {
     let sampling = PairSampling { count: 20_000, seed: 1, theta_max };
     let (mut difference, mut sum, mut covered) = (0.0, 0.0, 0_u32);
@@ -60,7 +72,7 @@ pub fn check(brdf: &dyn Brdf, theta_max: f64) -> PhysicalChecks {
     }
 }
 
-/// The largest directional albedo of any channel over sixteen angles of incidence up to `theta_max`
+/// Returns the largest directional albedo of any channel over sixteen angles of incidence up to `theta_max`
 /// radians, and the angle at which it occurs.
 pub fn largest_albedo(brdf: &dyn Brdf, theta_max: f64) -> (f64, f64) {
     (0..16)
@@ -69,8 +81,10 @@ pub fn largest_albedo(brdf: &dyn Brdf, theta_max: f64) -> (f64, f64) {
         .fold((0.0, 0.0), |best, next| if next.0 > best.0 { next } else { best })
 }
 
-/// ∫ f cosθo dωo for light arriving at `theta` radians and azimuth 0; pairs without data count as
-/// dark. 8192 points of a scrambled sequence, half of them about the mirror direction.
+/// Returns the directional albedo ∫ f cosθo dωo for light that arrives at `theta` radians and azimuth 0.
+///
+/// Pairs without data count as black. The integral is a mean over 8192 points of a scrambled sequence,
+/// half of them about the mirror direction.
 pub fn directional_albedo(brdf: &dyn Brdf, theta: f64) -> Rgb {
     const POINTS: u32 = 4096;
     let wi = spherical_direction(theta, 0.0);
@@ -106,27 +120,27 @@ fn lobe_direction(axis: glam::DVec3, u: f64, v: f64) -> glam::DVec3 {
     local.x * x + local.y * y + local.z * axis
 }
 
-/// What a set of scattered samples spans.
+/// A summary of a set of samples: how many there are, and the angles and values that they span.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampleSummary {
     /// Number of samples.
     pub count: usize,
-    /// Distinct directions to the light, to 1e-4 in each component.
+    /// Number of distinct directions to the light, to 1e-4 in each component.
     pub incidences: usize,
-    /// Largest angle of a direction to the light, degrees.
+    /// Largest angle of a direction to the light from the normal, degrees.
     pub max_theta_i_deg: f64,
-    /// Largest angle of a direction to the viewer, degrees.
+    /// Largest angle of a direction to the viewer from the normal, degrees.
     pub max_theta_o_deg: f64,
     /// Smallest value of any channel, sr⁻¹.
     pub min_value: f64,
     /// Largest value of any channel, sr⁻¹.
     pub max_value: f64,
-    /// Share of samples that are exactly 0 in some channel.
+    /// Share of samples that are exactly 0 in some channel, [0, 1].
     pub zero_share: f64,
 }
 
-/// Summarizes a set of samples.
+/// Returns a summary of a set of samples.
 pub fn summarize(samples: &SampleSet) -> SampleSummary {
     #[expect(clippy::cast_possible_truncation, reason = "components times ten thousand")]
     let rounded = |v: f64| (v * 1e4).round() as i64;
@@ -156,8 +170,10 @@ pub fn summarize(samples: &SampleSet) -> SampleSummary {
 /// Pairs on which [`anisotropy`] is measured.
 const TURNED_PAIRS: u32 = 1_000;
 
-/// Mean |f − f of the pair turned about the normal by a quarter| over mean f, of luminance, within
-/// 70°: 0 for isotropic materials.
+/// Returns a measure of anisotropy, 0 for isotropic materials.
+///
+/// It is the mean of |f − f′| divided by the mean of f, in luminance, where f′ is the value at the pair
+/// turned about the normal by a quarter turn. The pairs lie within 70° of the normal.
 pub fn anisotropy(brdf: &dyn Brdf) -> f64 {
     let sampling = PairSampling { count: TURNED_PAIRS, seed: 1, theta_max: 70_f64.to_radians() };
     let (mut off, mut all) = (0.0, 0.0);

@@ -18,7 +18,7 @@ pub struct Distribution1D {
 }
 
 impl Distribution1D {
-    /// Returns the distribution of weights, 0 and above; none if their sum is not positive.
+    /// Returns the distribution of these weights, each 0 or more, or `None` if their sum is not positive.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut total = 0.0;
         let mut cumulative: Vec<f64> = weights
@@ -40,7 +40,7 @@ impl Distribution1D {
         self.total
     }
 
-    /// Returns a cell and how far into it, [0, 1], for a number in [0, 1).
+    /// Returns the cell that a number in [0, 1) falls into, and how far into the cell, [0, 1].
     pub fn sample(&self, u: f64) -> (usize, f64) {
         let last = self.cumulative.len() - 1;
         let index = self.cumulative.partition_point(|&sum| sum <= u).min(last);
@@ -63,8 +63,23 @@ impl Distribution1D {
     }
 }
 
-/// Rows of piecewise linear densities by their integrals from the first node up to each, counted in nodes; the last
-/// of a row is the whole. What is drawn along one axis of a table that is linear between its nodes.
+/// Rows of piecewise linear densities, each stored as its running integral.
+///
+/// Nodes are one apart. An entry is the integral from the first node to its own, so the last entry of
+/// a row is the integral of the whole row. With these, places are drawn along one axis of a table that
+/// is linear between its nodes.
+///
+/// ```
+/// use brdf_model::{LinearDistributions, linear_part, linear_segment, share_of};
+///
+/// let ramp = [0.0_f32, 1.0, 2.0];
+/// let rows = LinearDistributions::new(3, 1, |_, node| ramp[node]);
+/// assert_eq!(rows.row(0), [0.0, 0.5, 2.0]);
+/// // The place below which a quarter of the density lies: halfway along the ramp.
+/// let (node, missing) = linear_segment(rows.row(0), share_of(0.25, rows.total(0)));
+/// let place = node as f32 + linear_part([ramp[node], ramp[node + 1]], missing);
+/// assert!((place - 1.0).abs() < 1e-6);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinearDistributions {
     nodes: usize,
@@ -72,7 +87,7 @@ pub struct LinearDistributions {
 }
 
 impl LinearDistributions {
-    /// Returns the integrals of `rows` rows of densities whose values at the nodes are `value(row, node)`.
+    /// Returns the integrals of `rows` rows of `nodes` nodes, whose densities are `value(row, node)`.
     pub fn new(nodes: usize, rows: usize, value: impl Fn(usize, usize) -> f32) -> Self {
         let mut sums = Vec::with_capacity(rows * nodes);
         for row in 0..rows {
@@ -109,15 +124,17 @@ impl LinearDistributions {
     }
 }
 
-/// Returns the part of an integral below which a number in [0, 1) lies; always less than the whole.
+/// Returns the share `u`, in [0, 1), of an integral `total`; the result is always less than `total`.
 #[inline]
 #[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
 pub fn share_of(u: f64, total: f32) -> f32 {
     (u as f32).min(1.0 - f32::EPSILON) * total
 }
 
-/// Returns the node below the place where an integral reaches a value, and what is missing there. Counted without
-/// branches, which could not be foreseen.
+/// Returns the last node at which a running integral is at most `wanted`, and how much is then missing
+/// to `wanted`.
+///
+/// The node is counted without branches, which a processor could not predict.
 ///
 /// # Panics
 ///
@@ -129,8 +146,8 @@ pub fn linear_segment(below: &[f32], wanted: f32) -> (usize, f32) {
     (at, wanted - below[at])
 }
 
-/// Returns the part of the way between two nodes where the integral of the line between their values reaches
-/// `wanted`, [0, 1].
+/// Returns the part of the way between two nodes, [0, 1], at which the integral of the line from `low` to
+/// `high` reaches `wanted`.
 #[inline]
 pub fn linear_part([low, high]: [f32; 2], wanted: f32) -> f32 {
     // ½ (high − low) t² + low t = wanted, in a form that loses no digits.

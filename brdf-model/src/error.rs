@@ -1,13 +1,13 @@
-//! What can be wrong with tables and samples.
+//! The errors of tables and samples.
 
-/// Errors of this crate.
+/// An error of this crate: a table that cannot be used, or no samples.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
     /// A table has the wrong number of values.
     #[error("table {table} holds {found} values; expected {expected}")]
     TableSize {
-        /// Which table.
+        /// Name of the table.
         table: &'static str,
         /// Values that its shape asks for.
         expected: usize,
@@ -17,26 +17,26 @@ pub enum ModelError {
     /// A table holds a value that it must not.
     #[error("table {table} holds {value} at index {index}; expected {expected}")]
     TableValue {
-        /// Which table.
+        /// Name of the table.
         table: &'static str,
-        /// Where.
+        /// Index of the value in the table.
         index: usize,
-        /// The value.
+        /// The value found there.
         value: f64,
-        /// What would do.
+        /// What is allowed there.
         expected: &'static str,
     },
-    /// A shape that a table cannot have.
+    /// A table has a shape that it cannot have.
     #[error("table {table} has shape {shape:?}; expected {expected}")]
     TableShape {
-        /// Which table.
+        /// Name of the table.
         table: &'static str,
-        /// Its shape.
+        /// Shape given.
         shape: Vec<usize>,
-        /// What would do.
+        /// What is allowed there.
         expected: &'static str,
     },
-    /// Nothing is left to work with.
+    /// No sample is left to work with.
     #[error("no usable samples: {dropped}")]
     NoSamples {
         /// What was dropped and why.

@@ -4,7 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::Rgb;
 
-/// How a smooth interface reflects.
+/// A smooth interface with air, whose Fresnel reflectance is known.
+///
+/// ```
+/// use brdf_model::Fresnel;
+///
+/// let glass = Fresnel::Dielectric { ior: 1.5 };
+/// assert!((glass.reflectance(1.0).g - 0.04).abs() < 1e-12);
+/// assert!((glass.reflectance(0.0).g - 1.0).abs() < 1e-12, "everything is reflected at grazing");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -14,17 +22,17 @@ pub enum Fresnel {
         /// Index of refraction, > 0.
         ior: f64,
     },
-    /// A conductor of complex index η + ik, per channel.
+    /// A conductor of complex index of refraction η + ik, for each channel.
     Conductor {
-        /// Real part.
+        /// Real part η of the index.
         eta: Rgb,
-        /// Imaginary part.
+        /// Imaginary part k of the index.
         k: Rgb,
     },
 }
 
 impl Fresnel {
-    /// Reflectance at an angle of incidence with this cosine, [0, 1] per channel.
+    /// Returns the reflectance at an angle of incidence with this cosine, [0, 1] for each channel.
     pub fn reflectance(&self, cos_theta: f64) -> Rgb {
         match *self {
             Self::Dielectric { ior } => Rgb::splat(dielectric_reflectance(cos_theta, ior)),
@@ -35,7 +43,7 @@ impl Fresnel {
     }
 }
 
-/// Exact unpolarized reflectance of a dielectric entered from air; 1 under total reflection.
+/// Returns the exact unpolarized reflectance of a dielectric entered from air; 1 under total reflection.
 pub fn dielectric_reflectance(cos_theta: f64, ior: f64) -> f64 {
     let sin_sq = 1.0 - cos_theta * cos_theta;
     let refracted_sq = 1.0 - sin_sq / (ior * ior);
@@ -48,7 +56,7 @@ pub fn dielectric_reflectance(cos_theta: f64, ior: f64) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Exact unpolarized reflectance of a conductor with complex index `eta` + i `k` in air.
+/// Returns the exact unpolarized reflectance of a conductor with complex index `eta` + i `k` in air.
 pub fn conductor_reflectance(cos_theta: f64, eta: f64, k: f64) -> f64 {
     let cos_sq = cos_theta * cos_theta;
     let sin_sq = 1.0 - cos_sq;

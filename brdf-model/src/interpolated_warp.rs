@@ -1,5 +1,5 @@
-//! Two-dimensional tables that depend on up to two parameters: bilinear lookup, and the warp that
-//! turns such a table into a uniform pdf.
+//! Two-dimensional tables that depend on up to two parameters: bilinear lookup, and the warp under
+//! which the density of such a table becomes uniform.
 //!
 //! Source: Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition
 //! and Rendering", supplemental material on bilinear warps.
@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use crate::ModelError;
 
-/// Sizes and parameter nodes of an [`InterpolatedWarp`].
+/// The sizes and parameter nodes of an [`InterpolatedWarp`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarpShape {
     /// Columns of each slice, ≥ 2.
@@ -21,8 +21,19 @@ pub struct WarpShape {
     pub theta: Vec<f32>,
 }
 
-/// Slices of `height` × `width` values over the unit square, one per pair of parameter nodes, rows
-/// contiguous, linear between nodes in every dimension.
+/// A table over the unit square that depends on up to two parameters, linear between its nodes.
+///
+/// It holds a slice of `height` × `width` values for each pair of parameter nodes, stored row by row.
+///
+/// ```
+/// use brdf_model::{InterpolatedWarp, WarpShape};
+/// use glam::DVec2;
+///
+/// let shape = WarpShape { width: 2, height: 2, phi: vec![0.0], theta: vec![0.0] };
+/// let table = InterpolatedWarp::lookup("ramp", shape, vec![0.0, 2.0, 0.0, 2.0])?;
+/// assert!((table.eval(DVec2::new(0.25, 0.7), 0.0, 0.0) - 0.5).abs() < 1e-6);
+/// # Ok::<(), brdf_model::ModelError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterpolatedWarp {
     shape: WarpShape,
@@ -41,12 +52,13 @@ struct Cumulative {
 }
 
 impl InterpolatedWarp {
-    /// A table for lookup only.
+    /// Returns a table for lookup only; `table` is its name in errors.
     ///
     /// # Errors
     ///
     /// [`ModelError::TableShape`] unless each slice is at least 2 × 2 and each parameter has
-    /// ascending nodes; [`ModelError::TableSize`]; [`ModelError::TableValue`] unless finite.
+    /// ascending nodes; [`ModelError::TableSize`] unless the values fill the shape;
+    /// [`ModelError::TableValue`] unless they are finite.
     pub fn lookup(
         table: &'static str,
         shape: WarpShape,
@@ -85,13 +97,14 @@ impl InterpolatedWarp {
         Ok(Self { shape, values, cumulative: None })
     }
 
-    /// A table that is also a pdf: not negative, and positive somewhere in every slice. Each
-    /// slice is scaled to integrate to 1.
+    /// Returns a table that is also a pdf; each slice is scaled so that it integrates to 1.
+    ///
+    /// The values must not be negative, and some value of every slice must be positive.
     ///
     /// # Errors
     ///
-    /// As [`InterpolatedWarp::lookup`], and [`ModelError::TableValue`] for a negative value or an
-    /// empty slice.
+    /// As [`InterpolatedWarp::lookup`], and [`ModelError::TableValue`] for a negative value or a slice
+    /// of zeros.
     pub fn pdf(
         table: &'static str,
         shape: WarpShape,
@@ -131,17 +144,18 @@ impl InterpolatedWarp {
         Ok(warp)
     }
 
-    /// The value at a point of the unit square.
+    /// Returns the value at a point of the unit square, for parameters clamped to the range of their
+    /// nodes.
     pub fn eval(&self, point: DVec2, phi: f64, theta: f64) -> f64 {
         let patch = Patch::new(&self.shape, point);
         let slices = Slices::new(&self.shape, phi, theta);
         patch.bilinear(&slices.corners(&self.values, &self.shape, &patch))
     }
 
-    /// The point of the unit square that the pdf at (phi, theta) spreads evenly to `point`'s
-    /// place, that is, its cumulative distribution: first along the row, then over rows.
+    /// Returns the cumulative distribution of the pdf at (phi, theta): first along the row of `point`,
+    /// then over the rows.
     ///
-    /// A table that is no pdf maps every point to itself.
+    /// Points drawn from the pdf are mapped to points that are uniform on the unit square. A table that is no pdf maps every point to itself.
     pub fn invert(&self, point: DVec2, phi: f64, theta: f64) -> DVec2 {
         let Some(cumulative) = &self.cumulative else { return point };
         let shape = &self.shape;

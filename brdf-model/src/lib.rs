@@ -1,8 +1,23 @@
-//! What is reflected: the [`Brdf`] trait, analytic and tabulated models, sets of samples, and the
-//! measures of how far an approximation is from its reference.
+//! Reflectance models: the [`Brdf`] trait, formulas, measured tables, samples and error measures.
 //!
-//! Values are in sr⁻¹, linear RGB with Rec. 709 primaries, the cosine *not* included. The frame is
-//! that of [`brdf_param`].
+//! A BRDF (bidirectional reflectance distribution function) says how much of the light that arrives
+//! from one direction leaves in another. This crate has:
+//!
+//! - [`Brdf`], the trait of everything that can be evaluated, one pair of directions at a time or
+//!   many at once;
+//! - formulas ([`Analytic`]) and named materials made of them ([`Preset`]);
+//! - measured tables: [`MerlTable`], [`RglBrdf`], [`UtiaTable`], [`Nbrdf`] and [`ScatteredBrdf`];
+//! - [`SampleSet`], the samples that models are fitted to, and [`PairSampling`], which draws them;
+//! - [`measure`] and its relatives, which say how far an approximation is from its reference, and
+//!   [`check`], which tests a model for reciprocity and energy.
+//!
+//! # Conventions
+//!
+//! Values are in sr⁻¹, in linear RGB with Rec. 709 primaries. They do *not* include the cosine of the
+//! angle of incidence. Directions are unit vectors in the local frame of [`brdf_param`]: z is the
+//! normal, `wi` points to the light, `wo` to the viewer.
+//!
+//! # Example
 //!
 //! ```
 //! use brdf_model::{Brdf, Preset};
@@ -69,3 +84,7 @@ pub use sampling::{PairSampling, ScrambledSobol, cosine_hemisphere, uniform_hemi
 pub use scattered::ScatteredBrdf;
 pub use srgb::{decode_srgb, encode_srgb, linear_to_srgb, srgb_to_linear};
 pub use utia::UtiaTable;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

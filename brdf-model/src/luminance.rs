@@ -4,10 +4,19 @@ use brdf_param::DirectionPair;
 
 use crate::{Brdf, Channels, Rgb};
 
-/// The luminance of a material in all three channels.
+/// A material in grey: the luminance of the inner material in all three channels.
 ///
-/// Negative channels count before they are clamped: the luminance of a colour outside the gamut is that of the
-/// light, not of what is left of it.
+/// Negative channels, which colours outside the gamut have, enter the luminance before they are clamped.
+///
+/// ```
+/// use brdf_model::{Brdf, Luminance, Preset};
+/// use brdf_param::DirectionPair;
+///
+/// let paint = Preset::ALL[0].brdf();
+/// let pair = DirectionPair::from_angles(0.3, 0.0, 0.6, 2.0);
+/// let grey = Luminance(&paint).eval(&pair);
+/// assert!(grey.r == grey.b && (grey.g - paint.eval(&pair).luminance()).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Luminance<B>(pub B);
 
@@ -26,7 +35,7 @@ impl<B: Brdf> Brdf for Luminance<B> {
 }
 
 impl Channels {
-    /// Returns the material as a model of these channels shows it: itself, or its [`Luminance`].
+    /// Returns a material reduced to these channels: itself, or its [`Luminance`].
     pub fn of<'a>(self, brdf: &'a dyn Brdf) -> Box<dyn Brdf + 'a> {
         match self {
             Self::Rgb => Box::new(brdf),

@@ -1,7 +1,7 @@
 //! Isotropic BRDFs tabulated on the MERL grid.
 //!
-//! Source: Matusik, Pfister, Brand and McMillan 2003. Half/difference angles; the theta_h axis is
-//! quadratic, cell i spans i²/90 … (i + 1)²/90 degrees; theta_d and phi_d have cells of one degree.
+//! Source: Matusik, Pfister, Brand and McMillan 2003. The axes are half/difference angles. The theta_h
+//! axis is quadratic, cell i spans i²/90 … (i + 1)²/90 degrees; theta_d and phi_d have cells of one degree.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,20 +13,21 @@ use crate::large_table::LargeTable;
 use crate::merl_batch;
 use crate::{Brdf, DirectionSlices, ModelError, Rgb, RgbBatch};
 
-/// Where in its cell a tabulated value is taken to stand. The literature disagrees: libbsdf reads
-/// the lower edge, ALTA the centre.
+/// The place in a cell at which its value is taken to hold.
+///
+/// Other software disagrees: libbsdf takes the lower edge, ALTA the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MerlNodes {
-    /// (i + ½) in the index space of each axis.
+    /// The centre of the cell: i + ½ on each axis, in cells.
     Centre,
-    /// i, the lower edge.
+    /// The lower edge of the cell: i on each axis, in cells.
     Edge,
 }
 
 impl MerlNodes {
-    /// Where the first node stands, in cells.
+    /// Returns the place of the first node, in cells: ½ or 0.
     pub fn shift(self) -> f32 {
         match self {
             Self::Centre => 0.5,
@@ -35,16 +36,27 @@ impl MerlNodes {
     }
 }
 
-/// How a table is read between its nodes.
+/// The way in which a table is read between its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MerlLookup {
     /// The value of the cell that the pair falls into, as the database's own reader does.
     Nearest,
-    /// Trilinear between valid nodes; beyond the outermost node its value holds, and phi_d wraps.
+    /// Trilinear between valid nodes. Beyond the outermost node its value is kept; phi_d wraps.
     Trilinear(MerlNodes),
 }
 
-/// A 90 × 90 × 180 table of BRDF values.
+/// An isotropic BRDF as a table of 90 × 90 × 180 values over theta_h, theta_d and phi_d.
+///
+/// ```
+/// use brdf_model::{Brdf, MerlTable, Preset};
+/// use brdf_param::DirectionPair;
+///
+/// let paint = Preset::find("lafortune-blue-paint").expect("a preset of this crate").brdf();
+/// let table = MerlTable::tabulate(&paint);
+/// let pair = DirectionPair::from_angles(0.4, 0.0, 0.7, 2.0);
+/// let (tabulated, exact) = (table.eval(&pair).b, paint.eval(&pair).b);
+/// assert!((tabulated / exact - 1.0).abs() < 1e-2);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MerlTable {
     /// RGB in sr⁻¹ at index phi_d + 180 (theta_d + 90 theta_h); negative where invalid.
@@ -53,23 +65,24 @@ pub struct MerlTable {
 }
 
 impl MerlTable {
-    /// Cells along theta_h.
+    /// Number of cells along theta_h, which covers [0, π/2].
     pub const THETA_H: usize = 90;
-    /// Cells along theta_d.
+    /// Number of cells along theta_d, which covers [0, π/2].
     pub const THETA_D: usize = 90;
-    /// Cells along phi_d, which covers [0, π).
+    /// Number of cells along phi_d, which covers [0, π).
     pub const PHI_D: usize = 180;
-    /// Cells in all.
+    /// Number of cells in all.
     pub const CELLS: usize = Self::THETA_H * Self::THETA_D * Self::PHI_D;
-    /// What an invalid cell holds in each channel.
+    /// The value of an invalid cell, one without data.
     pub const INVALID: [f32; 3] = [-1.0; 3];
 
-    /// A table of [`MerlTable::CELLS`] values in sr⁻¹, phi_d fastest, then theta_d, then theta_h.
+    /// Returns a table of [`MerlTable::CELLS`] values in sr⁻¹, phi_d fastest, then theta_d, then theta_h.
+    ///
     /// A cell with a negative or NaN channel has no data.
     ///
     /// # Errors
     ///
-    /// [`ModelError::TableSize`]; [`ModelError::TableValue`] for an infinite value.
+    /// [`ModelError::TableSize`] for another number of values; [`ModelError::TableValue`] for an infinite value.
     pub fn new(
         values: impl ExactSizeIterator<Item = [f32; 3]>,
         lookup: MerlLookup,
@@ -95,9 +108,11 @@ impl MerlTable {
         Ok(Self { cells, lookup })
     }
 
-    /// Tabulates a model at the cell centres, with phi_h = 0. Values are made reciprocal by
-    /// averaging each pair with its swap, since the grid has no room for a difference; cells with
-    /// a direction below the horizon, or where the model has no data, are invalid.
+    /// Returns the table of a model's values at the cell centres, with phi_h = 0.
+    ///
+    /// Values are made reciprocal by averaging each pair with its swap, since the grid holds only one
+    /// value for both. Cells with a direction below the horizon, or where the model has no data, are
+    /// invalid.
     pub fn tabulate(brdf: &dyn Brdf) -> Self {
         let mut cells = LargeTable::zeros(Self::CELLS);
         for (index, cell) in cells.iter_mut().enumerate() {
@@ -114,22 +129,22 @@ impl MerlTable {
         Self { cells, lookup: MerlLookup::Trilinear(MerlNodes::Centre) }
     }
 
-    /// The same table read in another way.
+    /// Returns the table, to be read in the given way from now on.
     pub fn with_lookup(self, lookup: MerlLookup) -> Self {
         Self { lookup, ..self }
     }
 
-    /// The cells, phi_d fastest.
+    /// Returns the values of all cells, in sr⁻¹, phi_d fastest.
     pub fn cells(&self) -> &[[f32; 3]] {
         &self.cells
     }
 
-    /// Cells without data.
+    /// Returns the number of cells without data.
     pub fn invalid_cells(&self) -> usize {
         self.cells.iter().filter(|cell| cell[0] < 0.0).count()
     }
 
-    /// The pair at the centre of a cell, with phi_h = 0; one direction may be below the horizon.
+    /// Returns the pair at the centre of a cell, with phi_h = 0; one direction may be below the horizon.
     pub fn cell_pair(index: usize) -> DirectionPair {
         let centre = |i: usize| i as f64 + 0.5;
         let phi_d = centre(index % Self::PHI_D).to_radians();

@@ -1,8 +1,9 @@
-//! How far an approximation is from its reference.
+//! Measures of how far an approximation f̂ is from its reference f.
 //!
-//! Log residual: ln(a + f̂) − ln(a + f) with f̂ not clamped at 0. Linear residual: max(0, f̂) − f,
-//! in sr⁻¹. The offset a is 1e-5 of the mean value of each channel. Over RGB, means are means over
-//! channels and maxima are over all. Cole 2002, section 4.3, without its squares of scale.
+//! The log residual is ln(a + f̂) − ln(a + f), with f̂ not clamped at 0. The linear residual is
+//! max(0, f̂) − f, in sr⁻¹. The offset a is 1e-5 of the mean value of each channel. For RGB, means are
+//! over the channels too, and maxima are over all of them. Source: Cole 2002, section 4.3, without its
+//! squares of scale.
 
 use brdf_param::DirectionPair;
 use rand_core::{Rng, SeedableRng};
@@ -11,11 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Brdf, Rgb, SampleSet, uniform_hemisphere};
 
-/// Mean absolute, mean square and largest absolute residual.
+/// The mean absolute, mean square and largest absolute residual of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorMeasures {
-    /// Mean of |r|.
+    /// Mean of |r|, r being a residual.
     pub mean_abs: f64,
     /// Mean of r².
     pub mean_square: f64,
@@ -23,21 +24,23 @@ pub struct ErrorMeasures {
     pub max: f64,
 }
 
-/// The six measures of the thesis.
+/// The errors of a fit: the six measures of Cole 2002.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitErrors {
-    /// Of log residuals; natural logarithm, no unit.
+    /// Measures of log residuals; natural logarithm, no unit.
     pub log: ErrorMeasures,
-    /// Of linear residuals, sr⁻¹ (mean square: sr⁻²).
+    /// Measures of linear residuals, sr⁻¹ (mean square: sr⁻²).
     pub linear: ErrorMeasures,
-    /// Log residuals for which a + f̂ was not positive and f̂ = 0 stood in.
+    /// Number of log residuals for which a + f̂ was not positive, so that f̂ = 0 was used instead.
     #[serde(default)]
     pub without_logarithm: usize,
 }
 
 impl FitErrors {
-    /// Mean of several sets of errors, each weighted by its number of samples; maxima are maxima.
+    /// Returns the mean of several sets of errors, each weighted by its number of samples.
+    ///
+    /// Of maxima the largest is taken, and counts are added.
     pub fn pooled(parts: &[(Self, usize)]) -> Self {
         let total: usize = parts.iter().map(|(_, count)| count).sum();
         let pool = |pick: fn(&Self) -> ErrorMeasures| {
@@ -56,16 +59,29 @@ impl FitErrors {
     }
 }
 
-/// 1e-5 of the mean of each channel: the offset a of the log residual. Where a channel is zero
-/// everywhere, 1e-5, so that the logarithm exists.
+/// Returns the offset a of the log residual for each channel: 1e-5 of its mean.
+///
+/// Where a channel is zero everywhere the offset is 1e-5, so that the logarithm exists.
 pub fn log_offsets(samples: &SampleSet) -> Vec<f64> {
     samples.mean().into_iter().map(|mean| if mean > 0.0 { 1e-5 * mean } else { 1e-5 }).collect()
 }
 
-/// The errors of a model over a set of samples, with the given log offset per channel.
+/// Returns the errors of a model over a set of samples, with the given log offset for each channel.
 ///
-/// Where a + f̂ ≤ 0, which a model can only reach by going negative, f̂ = 0 stands in and is counted.
+/// Where a + f̂ ≤ 0, which happens only if a model goes negative, f̂ = 0 is used instead, and counted.
 /// A set of one channel is compared with the model's luminance.
+///
+/// ```
+/// use brdf_model::{Channels, PairSampling, Preset, SampleSet, log_offsets, measure};
+///
+/// let sampling = PairSampling { count: 500, seed: 1, theta_max: 1.3 };
+/// let reference = Preset::find("plastic").expect("a preset of this crate").brdf();
+/// let samples = SampleSet::draw(&reference, &sampling, Channels::Rgb);
+/// let offsets = log_offsets(&samples);
+/// assert_eq!(measure(&samples, &reference, &offsets).log.max, 0.0);
+/// let other = Preset::find("lambert").expect("a preset of this crate").brdf();
+/// assert!(measure(&samples, &other, &offsets).log.mean_square > 0.01);
+/// ```
 pub fn measure(samples: &SampleSet, model: &dyn Brdf, offsets: &[f64]) -> FitErrors {
     let mut sums = vec![FitErrors::default(); offsets.len()];
     for (index, pair) in samples.pairs().enumerate() {
@@ -110,33 +126,42 @@ fn mean_over(sums: &[FitErrors], count: usize) -> FitErrors {
     }
 }
 
-/// Pairs behind [`cosine_rms`]: as many as Wang, Tran and Luebke 2004, section 4.3.
+/// The number of pairs of [`cosine_rms`], that of Wang, Tran and Luebke 2004, section 4.3.
 pub const COSINE_RMS_PAIRS: usize = 80_000;
 
 /// Cosine-weighted errors over both hemispheres, root mean squares in sr⁻¹.
 ///
-/// Models that grow without bound towards grazing (Ashikhmin–Shirley, which is clamped at a cosine
-/// of 1e-3) make the first depend on a few pairs; the others do not.
+/// For models that grow without bound towards grazing (Ashikhmin–Shirley, clamped at a cosine of 1e-3)
+/// `absolute` depends on a few pairs; `both_cosines` and `within_80` do not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CosineRms {
-    /// √(Σ cosθi (f − f̂)² / N).
+    /// The error √(Σ cosθi (f − f̂)² / N), over N pairs.
     pub absolute: f64,
-    /// The same divided by √(Σ cosθi f² / N).
+    /// The absolute error divided by √(Σ cosθi f² / N); no unit.
     pub relative: f64,
-    /// √(Σ cosθi cosθo (f − f̂)² / N).
+    /// The error with both cosines, √(Σ cosθi cosθo (f − f̂)² / N).
     pub both_cosines: f64,
-    /// The first, over pairs with both directions within 80° of the normal.
+    /// The absolute error over pairs with both directions within 80° of the normal.
     pub within_80: f64,
-    /// Pairs that the reference or the model has no data for; they are left out of N.
+    /// Number of pairs that the reference or the model has no data for; they are left out of N.
     pub without_data: usize,
 }
 
-/// Cosine-weighted RMS over [`COSINE_RMS_PAIRS`] pairs, uniform in solid angle on both
-/// hemispheres (SplitMix64), squares averaged over `channels`. Values are not clamped from above.
+/// Returns the cosine-weighted RMS errors over [`COSINE_RMS_PAIRS`] pairs, uniform in solid angle on
+/// both hemispheres (SplitMix64).
 ///
-/// Source: Wang, Tran and Luebke 2004, section 4.3; the distribution and the division by the number
-/// of pairs are ours, the paper names none.
+/// Squares are averaged over `channels`. Values are not clamped from above. Source: Wang, Tran and
+/// Luebke 2004, section 4.3. The paper names neither a distribution of pairs nor a division by their
+/// number; both are chosen here.
+///
+/// ```
+/// use brdf_model::{Channels, Preset, cosine_rms};
+///
+/// let brdf = |name| Preset::find(name).expect("a preset of this crate").brdf();
+/// let errors = cosine_rms(&brdf("plastic"), &brdf("lambert"), Channels::Rgb, 1);
+/// assert!(errors.relative > 0.1 && errors.without_data == 0);
+/// ```
 pub fn cosine_rms(
     reference: &dyn Brdf,
     model: &dyn Brdf,
@@ -173,7 +198,7 @@ pub fn cosine_rms(
     }
 }
 
-/// The pairs of [`cosine_rms`].
+/// Returns the pairs of [`cosine_rms`] for a seed.
 pub fn cosine_rms_pairs(seed: u64) -> impl Iterator<Item = DirectionPair> {
     let mut rng = SplitMix64::seed_from_u64(seed);
     let mut uniform = move || {

@@ -1,9 +1,9 @@
 //! Neural BRDFs: small networks fitted to measured materials.
 //!
 //! Source: A. Sztrajman, G. Rainer, T. Ritschel and T. Weyrich, "Neural BRDF Representation and
-//! Importance Sampling", 2021: 6–21–21–3, two rectified layers, then exp(·) − 1. The input is the
-//! half vector with phi_h = 0 and the difference vector. Fitted to MERL cells with phi_d in [0, π),
-//! so the other half is read by reciprocity.
+//! Importance Sampling", 2021. A network has layers of 6, 21, 21 and 3 numbers: two rectified layers,
+//! then exp(·) − 1. Its input is the half vector with phi_h = 0 and the difference vector. Networks are
+//! fitted to MERL cells with phi_d in [0, π), so the other half is read by reciprocity.
 
 use brdf_param::{DirectionPair, Parametrization};
 
@@ -14,7 +14,7 @@ const INPUTS: usize = 6;
 const HIDDEN: usize = 21;
 const OUTPUTS: usize = 3;
 
-/// A network of 675 weights; isotropic and reciprocal.
+/// A BRDF as a neural network of 675 weights; isotropic and reciprocal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nbrdf {
     first: Layer<INPUTS, HIDDEN>,
@@ -49,16 +49,16 @@ impl<const IN: usize, const OUT: usize> Layer<IN, OUT> {
 }
 
 impl Nbrdf {
-    /// Weights in all.
+    /// Number of weights in all.
     pub const WEIGHTS: usize =
         (INPUTS + 1) * HIDDEN + (HIDDEN + 1) * HIDDEN + (HIDDEN + 1) * OUTPUTS;
 
-    /// A network from its weights: of every layer the matrix, `[input, output]` row by row, then the
-    /// biases.
+    /// Returns the network of these weights: for each layer the matrix `[input, output]`, row by row, then
+    /// the biases.
     ///
     /// # Errors
     ///
-    /// [`ModelError::TableSize`] unless there are [`Nbrdf::WEIGHTS`]; [`ModelError::TableValue`]
+    /// [`ModelError::TableSize`] unless there are [`Nbrdf::WEIGHTS`] of them; [`ModelError::TableValue`]
     /// for one that is not finite.
     pub fn new(weights: &[f32]) -> Result<Self, ModelError> {
         if weights.len() != Self::WEIGHTS {

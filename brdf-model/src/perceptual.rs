@@ -1,32 +1,34 @@
 //! Errors that follow the eye more closely than plain differences.
 //!
-//! All are root mean squares over samples and channels of a difference of mapped values, with
-//! f̂ clamped at 0; 0 for equal values, symmetric in f and f̂, no unit but where one is named.
+//! Each is a root mean square, over samples and channels, of the difference of a mapped f̂ and a mapped
+//! f. The approximation f̂ is clamped at 0. The errors are 0 for equal values and symmetric in f and f̂;
+//! they have no unit except where one is named.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{Brdf, SampleSet};
 
-/// Root mean square errors of mapped reflectances.
+/// Root mean square errors of mapped reflectances, as [`perceptual_errors`] returns them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PerceptualErrors {
-    /// Of ln(1 + f cosθi). Source: Löw, Kronander, Ynnerman and Unger 2012. Scales like f for dark
+    /// Error of ln(1 + f cosθi). Source: Löw, Kronander, Ynnerman and Unger 2012. Scales like f for dark
     /// materials.
     pub log_cosine_rms: f64,
-    /// Of ∛(f cosθi), sr^(−1/3). Source: Fores, Ferwerda and Gu 2012. Scales with the cube root of
+    /// Error of ∛(f cosθi), sr^(−1/3). Source: Fores, Ferwerda and Gu 2012. Scales with the cube root of
     /// both.
     pub cube_root_rms: f64,
-    /// Of ln(f w + ε), w = max(cosθi cosθo, ε), ε = 1e-3: what is left of the log-relative mapping
-    /// of Nielsen, Jensen and Ramamoorthi 2015 in a difference, where its reference cancels.
+    /// Error of ln(f w + ε), with w = max(cosθi cosθo, ε) and ε = 1e-3. This is the log-relative mapping
+    /// of Nielsen, Jensen and Ramamoorthi 2015; its reference cancels in a difference.
     pub log_relative_rms: f64,
 }
 
 /// ε of the log-relative mapping.
 const EPSILON: f64 = 1e-3;
 
-/// The errors of a model over a set of samples. A set of one channel is compared with the model's
-/// luminance.
+/// Returns the perceptual errors of a model over a set of samples.
+///
+/// A set of one channel is compared with the model's luminance.
 pub fn perceptual_errors(samples: &SampleSet, model: &dyn Brdf) -> PerceptualErrors {
     let channels = samples.values().len();
     let mut sums = [0.0; 3];

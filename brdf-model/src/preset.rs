@@ -9,7 +9,17 @@ use crate::analytic::{
 };
 use crate::{Fresnel, Rgb};
 
-/// A named analytic material.
+/// A named material: an analytic model with published or chosen parameters.
+///
+/// ```
+/// use brdf_model::{Brdf, Preset};
+/// use brdf_param::DirectionPair;
+///
+/// let gold = Preset::find("ggx").expect("a preset of this crate");
+/// assert_eq!(gold.description(), "gold, roughness 0.25");
+/// let value = gold.brdf().eval(&DirectionPair::from_angles(0.3, 0.0, 0.3, std::f64::consts::PI));
+/// assert!(value.r > value.b);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Preset {
     name: &'static str,
@@ -51,22 +61,22 @@ impl Preset {
         Self { name, description, build }
     }
 
-    /// The preset of this name.
+    /// Returns the preset of this name, or `None` where there is none.
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|preset| preset.name == name)
     }
 
-    /// Its name, as after `preset:` on the command line.
+    /// Returns the name of the preset, as it is written after `preset:` on the command line.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// One line about the material.
+    /// Returns one line about the material.
     pub fn description(&self) -> &'static str {
         self.description
     }
 
-    /// The model.
+    /// Returns the model of the material.
     pub fn brdf(&self) -> Analytic {
         (self.build)()
     }

@@ -1,9 +1,8 @@
 //! Materials of the RGL database in their adaptive parametrization.
 //!
-//! Source: Dupuy and Jakob 2018. The stored spectra lie over a warped half vector: first the
-//! distribution of visible normals is flattened, then the value is read, then the retro-reflective
-//! model F = spectra · D(h) / (4 σ(wi)) is applied. That product is f_r · cosθo, so it is divided
-//! by the cosine here.
+//! Source: Dupuy and Jakob 2018. The stored values lie over a warped half vector. A lookup first maps
+//! the half vector by the cumulative distribution of visible normals, then reads the value there, and
+//! then multiplies it by D(h) / (4 σ(wi)). The product is f · cosθo, so it is divided by the cosine here.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -13,24 +12,24 @@ use glam::DVec2;
 use crate::brdf::is_lit;
 use crate::{Brdf, InterpolatedWarp, ModelError, Rgb, WarpShape};
 
-/// The tables of a material file, as stored: C order, f32.
+/// The tables of a material file, as stored: row-major (C order), f32.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RglTables {
     /// Nodes of the azimuth of `wi`, radians; one node for an isotropic material.
     pub phi_i: Vec<f32>,
     /// Nodes of the polar angle of `wi`, radians.
     pub theta_i: Vec<f32>,
-    /// Normal distribution and its shape `[phi, theta]`.
+    /// Distribution of normals D and its shape `[phi, theta]`.
     pub ndf: (Vec<f32>, [usize; 2]),
-    /// Projected microfacet area and its shape `[phi, theta]`.
+    /// Projected microfacet area σ and its shape `[phi, theta]`.
     pub sigma: (Vec<f32>, [usize; 2]),
-    /// Visible normals and the sides of a slice `[height, width]`; slices by `phi_i`, `theta_i`.
+    /// Distribution of visible normals and the sides of a slice `[height, width]`; slices by `phi_i`, `theta_i`.
     pub vndf: (Vec<f32>, [usize; 2]),
     /// Values and the sides of a slice `[height, width]`; slices by `phi_i`, `theta_i`, channel.
     pub rgb: (Vec<f32>, [usize; 2]),
 }
 
-/// An RGL material.
+/// A material of the RGL database, isotropic or anisotropic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RglBrdf {
     ndf: InterpolatedWarp,
@@ -54,7 +53,7 @@ enum Azimuthal {
 }
 
 impl RglBrdf {
-    /// A material from its tables.
+    /// Returns the material of these tables.
     ///
     /// # Errors
     ///
@@ -95,7 +94,7 @@ impl RglBrdf {
         })
     }
 
-    /// The material looks the same from all azimuths.
+    /// Returns whether the material is isotropic: measured at one azimuth of `wi` alone.
     pub fn is_isotropic(&self) -> bool {
         self.azimuthal == Azimuthal::Isotropic
     }

@@ -1,4 +1,4 @@
-//! Sets of BRDF samples, and what was left out of them.
+//! Sets of BRDF samples, and the counts of samples that were left out.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Brdf, Channels, PairSampling, Rgb};
 
-/// How many samples were left out, by reason.
+/// The numbers of samples that were left out of a set, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dropped {
@@ -29,7 +29,7 @@ pub struct Dropped {
 }
 
 impl Dropped {
-    /// All of them.
+    /// Returns the number of all samples that were left out.
     pub fn total(&self) -> usize {
         self.below_horizon
             + self.beyond_grazing_limit
@@ -56,9 +56,20 @@ impl fmt::Display for Dropped {
     }
 }
 
-/// Direction pairs with one value per channel, as a structure of arrays.
+/// A set of samples: direction pairs with one value for each channel, as a structure of arrays.
 ///
 /// Every pair lies above the horizon and every value is finite and not negative.
+///
+/// ```
+/// use brdf_model::{Channels, PairSampling, Preset, Rgb, SampleSet};
+/// use brdf_param::DirectionPair;
+///
+/// let sampling = PairSampling { count: 100, seed: 1, theta_max: 1.3 };
+/// let mut samples = SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Rgb);
+/// samples.push_rgb(&DirectionPair::from_angles(0.1, 0.0, 0.2, 0.0), Rgb::splat(-1.0));
+/// assert_eq!(samples.len(), 100);
+/// assert_eq!(samples.dropped().negative, 1);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampleSet {
     wi: Vec<DVec3>,
@@ -70,7 +81,7 @@ pub struct SampleSet {
 }
 
 impl SampleSet {
-    /// An empty set.
+    /// Returns an empty set.
     pub fn new(channels: Channels) -> Self {
         Self {
             wi: Vec::new(),
@@ -81,8 +92,10 @@ impl SampleSet {
         }
     }
 
-    /// Draws pairs and evaluates a model at them. Pairs without valid data are counted, not
-    /// replaced; negative channels become 0 and are counted too.
+    /// Returns the samples of a model at the pairs that `sampling` draws.
+    ///
+    /// Pairs without valid data are counted, not replaced. Negative channels become 0, and are counted
+    /// too.
     pub fn draw(brdf: &dyn Brdf, sampling: &PairSampling, channels: Channels) -> Self {
         let mut set = Self::new(channels);
         for pair in sampling.pairs() {
@@ -95,9 +108,10 @@ impl SampleSet {
         set
     }
 
-    /// Adds a sample whose negative channels become 0, as colours outside the gamut have them, and
-    /// counts it where that was needed. A set of one channel takes the luminance, which is positive
-    /// for most of those colours.
+    /// Adds a sample with its negative channels set to 0, and counts it if there were any.
+    ///
+    /// Colours outside the gamut have such channels. A set of one channel takes the luminance, which is
+    /// positive for most of those colours.
     pub fn push_clamped(&mut self, pair: &DirectionPair, value: Rgb) {
         let value = match self.channels() {
             Channels::Rgb => value,
@@ -107,7 +121,7 @@ impl SampleSet {
         self.push_rgb(pair, value.map(|v| if v < 0.0 { 0.0 } else { v }));
     }
 
-    /// Samples with a negative channel that was set to 0.
+    /// Returns the number of samples with a negative channel that was set to 0.
     pub fn clamped(&self) -> usize {
         self.clamped
     }
@@ -147,33 +161,34 @@ impl SampleSet {
         }
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.wi.len()
     }
 
-    /// There are none.
+    /// Returns whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.wi.is_empty()
     }
 
-    /// One channel or three.
+    /// Returns the channels of the set: one or three.
     pub fn channels(&self) -> Channels {
         if self.values.len() == 1 { Channels::Luminance } else { Channels::Rgb }
     }
 
-    /// The values of each channel, in sr⁻¹.
+    /// Returns the values of each channel, in sr⁻¹.
     pub fn values(&self) -> &[Vec<f64>] {
         &self.values
     }
 
-    /// What was left out so far.
+    /// Returns the numbers of samples that were left out so far.
     pub fn dropped(&self) -> Dropped {
         self.dropped
     }
 
-    /// The samples whose channels are all positive, for logarithms without an offset; the others
-    /// are counted. A channel that is zero everywhere has no say.
+    /// Returns the samples whose channels are all positive, for logarithms without an offset.
+    ///
+    /// The others are counted. A channel that is zero everywhere is not looked at.
     pub fn positive(&self) -> Self {
         let lit: Vec<&Vec<f64>> =
             self.values.iter().filter(|channel| channel.iter().any(|&v| v > 0.0)).collect();
@@ -186,7 +201,7 @@ impl SampleSet {
         kept
     }
 
-    /// The pair at `index`.
+    /// Returns the pair at `index`.
     ///
     /// # Panics
     ///
@@ -195,12 +210,12 @@ impl SampleSet {
         DirectionPair::new(self.wi[index], self.wo[index])
     }
 
-    /// The pairs in order.
+    /// Returns the pairs in order.
     pub fn pairs(&self) -> impl ExactSizeIterator<Item = DirectionPair> + '_ {
         self.wi.iter().zip(&self.wo).map(|(&wi, &wo)| DirectionPair::new(wi, wo))
     }
 
-    /// The value at `index`; one channel comes back as grey.
+    /// Returns the value at `index`, in sr⁻¹; that of a set of one channel is grey.
     ///
     /// # Panics
     ///
@@ -213,13 +228,13 @@ impl SampleSet {
         }
     }
 
-    /// Mean value of each channel; 0 for an empty set.
+    /// Returns the mean value of each channel, in sr⁻¹; 0 for an empty set.
     pub fn mean(&self) -> Vec<f64> {
         let count = self.len().max(1) as f64;
         self.values.iter().map(|channel| channel.iter().sum::<f64>() / count).collect()
     }
 
-    /// The samples that a model has data for; the others are counted.
+    /// Returns the samples that a model has data for; the others are counted.
     pub fn with_data_in(&self, model: &dyn Brdf) -> Self {
         let keep: Vec<usize> = (0..self.len()).filter(|&i| model.has_data(&self.pair(i))).collect();
         let mut kept = Self { dropped: self.dropped, clamped: self.clamped, ..self.select(&keep) };
@@ -227,23 +242,26 @@ impl SampleSet {
         kept
     }
 
-    /// At most `count` of the samples, evenly spread over their order; what was dropped before
-    /// stays counted.
+    /// Returns at most `count` of the samples, evenly spread over their order.
+    ///
+    /// The counts of samples that were left out are kept.
     pub fn subset(&self, count: usize) -> Self {
         let count = count.min(self.len());
         let keep: Vec<usize> = (0..count).map(|i| i * self.len() / count.max(1)).collect();
         self.rearranged(&keep)
     }
 
-    /// The light comes from one azimuth throughout, to 0.1°, so that the samples cannot tell whether
-    /// the material is anisotropic. Directions at the pole have no azimuth.
+    /// Returns whether the light comes from one azimuth in all samples, to 0.1°.
+    ///
+    /// Such samples cannot tell whether the material is anisotropic. Directions at the pole have no
+    /// azimuth and are not looked at.
     pub fn has_one_light_azimuth(&self) -> bool {
         let azimuths = || self.wi.iter().filter_map(|wi| wi.truncate().try_normalize());
         let first = azimuths().next();
         first.is_none_or(|first| azimuths().all(|other| first.perp_dot(other).abs() < 2e-3))
     }
 
-    /// The samples at these indices; the counts of what was dropped do not come along.
+    /// Returns the samples at these indices; the counts of samples that were left out start at 0.
     ///
     /// # Panics
     ///
@@ -262,7 +280,8 @@ impl SampleSet {
         }
     }
 
-    /// The samples in the order of these indices; what was dropped before stays counted.
+    /// Returns the samples in the order of these indices; the counts of samples that were left out are
+    /// kept.
     ///
     /// # Panics
     ///
@@ -272,7 +291,7 @@ impl SampleSet {
         Self { dropped: self.dropped, clamped: self.clamped, ..self.select(order) }
     }
 
-    /// The same samples as luminance; a set of one channel stays as it is.
+    /// Returns the samples as luminance, in one channel; a set of one channel stays as it is.
     pub fn to_luminance(&self) -> Self {
         let values = match self.channels() {
             Channels::Luminance => self.values.clone(),
@@ -287,7 +306,7 @@ impl SampleSet {
         }
     }
 
-    /// The samples in a random order, so that every leading part is a fair selection.
+    /// Returns the samples in a random order, so that every leading part is a fair selection.
     #[must_use]
     pub fn shuffled(&self, seed: u64) -> Self {
         let mut rng = SplitMix64::seed_from_u64(seed);
@@ -296,8 +315,8 @@ impl SampleSet {
         self.rearranged(&keyed.into_iter().map(|(_, index)| index).collect::<Vec<_>>())
     }
 
-    /// The samples whose directions both lie within `theta_max` radians of the normal; the others
-    /// are counted.
+    /// Returns the samples whose directions both lie within `theta_max` radians of the normal; the
+    /// others are counted.
     pub fn within(&self, theta_max: f64) -> Self {
         // A sample measured at exactly the limit, in degrees with six digits, belongs to it.
         let limit = (theta_max + 1e-6).cos();
@@ -310,9 +329,20 @@ impl SampleSet {
         kept
     }
 
-    /// Each sample turned about the normal in `rotations` equal steps, and for each of them its
-    /// reciprocal twin where `reciprocal` is set. What an isotropic, reciprocal material is known
-    /// to do where it was not measured.
+    /// Returns the samples turned about the normal in `rotations` equal steps of a turn, each with its
+    /// reciprocal twin where `reciprocal` is set.
+    ///
+    /// An isotropic, reciprocal material has the same values at all of these pairs, so they extend a
+    /// measurement to where nothing was measured.
+    ///
+    /// ```
+    /// use brdf_model::{Channels, Rgb, SampleSet};
+    /// use brdf_param::DirectionPair;
+    ///
+    /// let mut samples = SampleSet::new(Channels::Rgb);
+    /// samples.push_rgb(&DirectionPair::from_angles(0.1, 0.0, 0.4, 2.0), Rgb::splat(0.2));
+    /// assert_eq!(samples.replicated(4, true).len(), 8);
+    /// ```
     pub fn replicated(&self, rotations: u32, reciprocal: bool) -> Self {
         let mut set =
             Self { dropped: self.dropped, clamped: self.clamped, ..Self::new(self.channels()) };
@@ -333,10 +363,10 @@ impl SampleSet {
         set
     }
 
-    /// Splits the samples into `folds` parts of nearly equal size, deterministically, such that
-    /// samples which an isotropic reciprocal material could not tell apart share a part.
+    /// Returns the indices of `folds` parts of the samples, of nearly equal size.
     ///
-    /// Returns the indices of each part.
+    /// The split depends on `seed` alone. Samples that an isotropic, reciprocal material cannot tell
+    /// apart are in the same part.
     pub fn folds(&self, folds: usize, seed: u64) -> Vec<Vec<usize>> {
         let mut groups: Vec<(u64, TwinKey, usize)> = (0..self.len())
             .map(|index| {

@@ -1,4 +1,4 @@
-//! Deterministic directions and direction pairs.
+//! Directions and direction pairs, drawn from sequences that depend on a seed alone.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -8,8 +8,17 @@ use glam::{DVec2, DVec3};
 /// A four-dimensional Sobol sequence with nested uniform (Owen) scrambling.
 ///
 /// Direction numbers: Joe and Kuo 2008. The scrambling is a hash that acts on the bit-reversed
-/// sample as Owen's permutation tree does (Laine and Karras 2011). Random access: any index, any
-/// order, the same points.
+/// sample as Owen's permutation tree does (Laine and Karras 2011). Points can be asked for at any index
+/// and in any order.
+///
+/// ```
+/// use brdf_model::ScrambledSobol;
+///
+/// let sobol = ScrambledSobol::new(7);
+/// let mean = (0..256).map(|index| sobol.point(index)[2]).sum::<f64>() / 256.0;
+/// assert!((mean - 0.5).abs() < 1e-2);
+/// assert_eq!(sobol.planar_point(3), [sobol.point(3)[0], sobol.point(3)[1]]);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct ScrambledSobol {
     scramble: [u32; 4],
@@ -27,7 +36,7 @@ const DIRECTIONS: [[u32; 32]; 4] = [
 ];
 
 impl ScrambledSobol {
-    /// The scramble of this seed.
+    /// Returns the sequence scrambled by a seed.
     pub fn new(seed: u64) -> Self {
         let low = hash_u64(seed);
         let high = hash_u64(low ^ 0x9e37_79b9_7f4a_7c15);
@@ -37,23 +46,26 @@ impl ScrambledSobol {
         Self { scramble: [a, b, c, d] }
     }
 
-    /// The seed of the scramble that judges what was fitted with `seed`: 20,000 pairs of it are the
-    /// held-out set everywhere.
+    /// Returns the seed of the held-out samples for a fit with `seed`.
+    ///
+    /// Errors on held-out samples are taken over 20,000 pairs of that scramble everywhere.
     pub fn held_out_seed(seed: u64) -> u64 {
         hash_u64(seed ^ 0x4e6f_7453_6565_6e21)
     }
 
-    /// The seed of the scramble that choices are made by: neither fitted nor held out.
+    /// Returns the seed of the validation samples for a fit with `seed`.
+    ///
+    /// Choices between models are made by these samples, which are neither fitted nor held out.
     pub fn validation_seed(seed: u64) -> u64 {
         hash_u64(seed ^ 0x5661_6c69_6461_7465)
     }
 
-    /// The point at `index`, in (0, 1)⁴.
+    /// Returns the point at `index`, in (0, 1)⁴.
     pub fn point(&self, index: u32) -> [f64; 4] {
         std::array::from_fn(|dimension| self.coordinate(index, dimension))
     }
 
-    /// The first two coordinates of the point at `index`.
+    /// Returns the first two coordinates of the point at `index`.
     pub fn planar_point(&self, index: u32) -> [f64; 2] {
         std::array::from_fn(|dimension| self.coordinate(index, dimension))
     }
@@ -124,22 +136,33 @@ fn hash_u64(seed: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// How direction pairs are drawn for fitting and for comparing.
+/// A way to draw direction pairs, for fitting and for comparing models.
 ///
-/// Each direction has parabolic radius tan(θmax/2)·√a and azimuth 2πb for a point (a, b | c, d) of
-/// the scrambled Sobol sequence: uniform on the product of two parabolic discs.
+/// The pairs are uniform on the product of two parabolic discs. For a point (a, b, c, d) of the
+/// scrambled Sobol sequence, `wi` has parabolic radius tan(θmax/2)·√a and azimuth 2πb, and `wo` likewise
+/// with c and d.
+///
+/// ```
+/// use brdf_model::PairSampling;
+/// use brdf_param::polar_angle;
+///
+/// let sampling = PairSampling { count: 64, seed: 1, theta_max: 1.2 };
+/// let pairs: Vec<_> = sampling.pairs().collect();
+/// assert_eq!(pairs.len(), 64);
+/// assert!(pairs.iter().all(|pair| polar_angle(pair.wi).max(polar_angle(pair.wo)) <= 1.2));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairSampling {
     /// Number of pairs.
     pub count: u32,
-    /// Which scramble of the sequence.
+    /// Seed of the scramble of the sequence.
     pub seed: u64,
     /// Largest angle to the normal, radians, (0, π/2].
     pub theta_max: f64,
 }
 
 impl PairSampling {
-    /// The pairs, in the order of the sequence.
+    /// Returns the pairs, in the order of the sequence.
     pub fn pairs(&self) -> impl Iterator<Item = DirectionPair> + use<> {
         let sobol = ScrambledSobol::new(self.seed);
         let radius = (0.5 * self.theta_max.min(FRAC_PI_2)).tan();
@@ -154,14 +177,14 @@ impl PairSampling {
     }
 }
 
-/// A direction of the upper hemisphere, uniform in solid angle, from a point of the unit square.
+/// Returns a direction of the upper hemisphere, uniform in solid angle, for a point of the unit square.
 pub fn uniform_hemisphere(u: f64, v: f64) -> DVec3 {
     let sin_theta = (1.0 - u * u).max(0.0).sqrt();
     let (sin_phi, cos_phi) = (TAU * v).sin_cos();
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, u)
 }
 
-/// A direction with pdf cosθ/π, from a point of the unit square; returns the pdf too.
+/// Returns a direction with pdf cosθ/π and that pdf, per steradian, for a point of the unit square.
 pub fn cosine_hemisphere(u: f64, v: f64) -> (DVec3, f64) {
     let disc = u.sqrt() * DVec2::from_angle(TAU * v);
     let direction = disc.extend((1.0 - u).max(0.0).sqrt());

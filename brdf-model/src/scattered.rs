@@ -1,6 +1,6 @@
-//! Scattered measurements seen as a function, for pictures only.
+//! Scattered measurements interpolated to a function, for pictures only.
 //!
-//! Fitting never goes through here: samples enter it as they are.
+//! Fits do not use this interpolation; they take the samples as they are.
 
 use brdf_param::{DirectionPair, polar_angle};
 use rstar::RTree;
@@ -9,12 +9,25 @@ use rstar::primitives::GeomWithData;
 use crate::brdf::is_lit;
 use crate::{Brdf, Rgb, SampleSet};
 
-/// Inverse-distance interpolation between the nearest samples of an isotropic, reciprocal material.
+/// An isotropic, reciprocal material given by scattered samples, interpolated between the nearest ones
+/// with weights of inverse distance.
 ///
 /// Distance is taken between the products sinθi sinθo cosΔφ, sinθi sinθo |sinΔφ| and cosθi cosθo,
-/// which rotation, mirroring and reciprocity leave alone (the idea is pbrt-v2's). Where no sample
+/// which rotation, mirroring and reciprocity do not change (the idea is pbrt-v2's). Where no sample
 /// lies within [`ScatteredBrdf::REACH`], and more than a degree beyond the measured directions,
 /// there is no data.
+///
+/// ```
+/// use brdf_model::{Brdf, Channels, Rgb, SampleSet, ScatteredBrdf};
+/// use brdf_param::DirectionPair;
+///
+/// let pair = DirectionPair::from_angles(0.4, 0.0, 0.4, 2.0);
+/// let mut samples = SampleSet::new(Channels::Rgb);
+/// samples.push_rgb(&pair, Rgb::splat(0.2));
+/// let material = ScatteredBrdf::new(samples);
+/// let turned = pair.rotated_about_normal(1.0).swapped();
+/// assert!((material.eval(&turned).g - 0.2).abs() < 1e-12);
+/// ```
 #[derive(Debug)]
 pub struct ScatteredBrdf {
     tree: RTree<GeomWithData<[f64; 3], usize>>,
@@ -24,12 +37,12 @@ pub struct ScatteredBrdf {
 }
 
 impl ScatteredBrdf {
-    /// Farthest useful sample: about 6° for a direction halfway to the horizon.
+    /// Largest distance of a sample that is used: about 6° for a direction halfway to the horizon.
     pub const REACH: f64 = 0.1;
     /// Samples that are averaged.
     const NEIGHBOURS: usize = 8;
 
-    /// The function of a set of samples.
+    /// Returns the interpolation of a set of samples.
     pub fn new(samples: SampleSet) -> Self {
         let points = samples
             .pairs()
@@ -44,7 +57,7 @@ impl ScatteredBrdf {
         Self { tree: RTree::bulk_load(points), samples, lowest }
     }
 
-    /// The samples it goes through.
+    /// Returns the samples that are interpolated.
     pub fn samples(&self) -> &SampleSet {
         &self.samples
     }

@@ -1,7 +1,7 @@
 //! Anisotropic BRDFs on the UTIA grid.
 //!
-//! Source: Filip and Vávra 2014. Polar angles 0°…75° by 15°, azimuths 0°…352.5° by 7.5°, for both
-//! directions.
+//! Source: Filip and Vávra 2014. The grid has, for each of both directions, the polar angles 0° to 75° in
+//! steps of 15° and the azimuths 0° to 352.5° in steps of 7.5°.
 
 use std::f64::consts::TAU;
 
@@ -10,8 +10,22 @@ use brdf_param::{DirectionPair, azimuth, polar_angle};
 use crate::brdf::is_lit;
 use crate::{Brdf, ModelError, Rgb};
 
-/// A 288 × 288 table per channel, linear in all four angles. Beyond 75° there is no data: the pair
-/// is not covered, and evaluation holds the value at 75°.
+/// An anisotropic BRDF as a table of 288 × 288 values, one row for each direction to the light and one
+/// column for each direction to the viewer.
+///
+/// Values are interpolated linearly in all four angles. Beyond 75° there is no data:
+/// [`Brdf::has_data`] is false there, and evaluation returns the value at 75°.
+///
+/// ```
+/// use brdf_model::{Brdf, UtiaTable};
+/// use brdf_param::DirectionPair;
+///
+/// let table = UtiaTable::new(vec![[0.1, 0.2, 0.3]; UtiaTable::SIDE * UtiaTable::SIDE])?;
+/// let pair = DirectionPair::from_angles(0.3, 1.0, 0.6, 2.0);
+/// assert!(table.has_data(&pair) && (table.eval(&pair).g - 0.2).abs() < 1e-6);
+/// assert!(!table.has_data(&DirectionPair::from_angles(1.4, 1.0, 0.6, 2.0)));
+/// # Ok::<(), brdf_model::ModelError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct UtiaTable {
     /// RGB in sr⁻¹ at index `(theta_i · 48 + phi_i) · 288 + theta_o · 48 + phi_o`.
@@ -19,19 +33,23 @@ pub struct UtiaTable {
 }
 
 impl UtiaTable {
-    /// Polar angles of each direction.
+    /// Number of polar angles of each direction: 0°, 15°, … 75°.
     pub const THETAS: usize = 6;
-    /// Azimuths of each direction.
+    /// Number of azimuths of each direction: 0°, 7.5°, … 352.5°.
     pub const PHIS: usize = 48;
-    /// Rows, and columns, of each channel's plane.
+    /// Number of rows, and of columns, of the table: one for each polar angle and azimuth.
     pub const SIDE: usize = Self::THETAS * Self::PHIS;
     const THETA_STEP: f64 = 15.0;
 
-    /// A table with one row per direction to the light.
+    /// Returns the table of these values, in sr⁻¹.
+    ///
+    /// A row holds the values of one direction to the light, for all directions to the viewer. Both rows
+    /// and columns are ordered by polar angle, then by azimuth: the index of a direction is
+    /// `theta · 48 + phi`, and that of a value `light · 288 + viewer`.
     ///
     /// # Errors
     ///
-    /// [`ModelError::TableSize`]; [`ModelError::TableValue`] for a value that is not finite.
+    /// [`ModelError::TableSize`] for another number of values than 288²; [`ModelError::TableValue`] for a value that is not finite.
     pub fn new(values: Vec<[f32; 3]>) -> Result<Self, ModelError> {
         let expected = Self::SIDE * Self::SIDE;
         if values.len() != expected {

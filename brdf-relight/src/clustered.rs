@@ -10,7 +10,8 @@ use crate::light::LitCoefficients;
 use crate::precompute::Chunk;
 use crate::store::SparseTransport;
 
-/// Each vertex is a sum of the components of its cluster. Borrowed arrays may lie in a mapped file.
+/// Transport in which each vertex is a weighted sum of the components of its cluster. Borrowed arrays may lie in a
+/// mapped file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClusteredTransport<'a> {
     /// `[component][term]`.
@@ -72,7 +73,7 @@ fn starts(clusters: &[u16], first: &[u32]) -> Vec<u32> {
 }
 
 impl<'a> ClusteredTransport<'a> {
-    /// From its arrays, as [`ClusteredTransport::parts`] gives them.
+    /// Returns transport made from its arrays, in the form that [`ClusteredTransport::parts`] returns.
     ///
     /// # Errors
     ///
@@ -104,7 +105,7 @@ impl<'a> ClusteredTransport<'a> {
         Ok(Self { components, terms, clusters, first, weights, starts })
     }
 
-    /// Components, clusters of vertices, first components of clusters, and weights.
+    /// Returns the components, the cluster of each vertex, the first component of each cluster, and the weights.
     pub fn parts(&self) -> (&SparseTransport<'a>, &[u16], &[u32], &[i16]) {
         (&self.components, &self.clusters, &self.first, &self.weights)
     }
@@ -114,12 +115,12 @@ impl<'a> ClusteredTransport<'a> {
         self.clusters.len() * self.terms
     }
 
-    /// Number of components of all clusters.
+    /// Returns the number of components of all clusters.
     pub fn components(&self) -> usize {
         self.components.vectors() / self.terms
     }
 
-    /// Number of clusters.
+    /// Returns the number of clusters.
     pub fn clusters(&self) -> usize {
         self.first.len() - 1
     }

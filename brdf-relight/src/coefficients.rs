@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cube::TEXELS;
 
-/// How the values of kept coefficients are stored.
+/// The form in which values of kept coefficients are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -16,12 +16,12 @@ pub enum Coding {
 }
 
 impl Coding {
-    /// Of so many channels.
+    /// Returns the coding for `channels` values a coefficient: one or three.
     pub fn of(channels: usize) -> Self {
         if channels == 1 { Self::Scalar } else { Self::Rgb }
     }
 
-    /// Bytes of a value.
+    /// Returns the bytes of a stored value.
     pub fn bytes(self) -> usize {
         match self {
             Self::Rgb => 4,
@@ -78,7 +78,13 @@ impl Coding {
 const SHIFT: u32 = 18;
 const BUCKETS: usize = 1 << (31 - SHIFT);
 
-/// Chooses the largest of many magnitudes in linear time.
+/// Scratch memory that chooses the largest of many magnitudes in linear time.
+///
+/// ```
+/// let mut chosen = Vec::new();
+/// brdf_relight::Selection::default().largest(&[0.1, 3.0, 0.0, 2.0], 2, &mut chosen);
+/// assert_eq!(chosen, [1, 3]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Selection {
     histogram: Vec<u32>,
@@ -92,7 +98,8 @@ impl Default for Selection {
 }
 
 impl Selection {
-    /// The places of the `count` largest magnitudes that are not 0, in order; of equal ones the first.
+    /// Writes the places of the `count` largest magnitudes that are not 0 into `chosen`, in ascending order; of
+    /// equal ones the first.
     ///
     /// # Panics
     ///

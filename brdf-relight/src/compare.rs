@@ -16,35 +16,35 @@ use crate::surface::diagonal;
 use crate::transport::{CubeDirections, TransportWorkspace};
 use crate::visibility::Quality;
 
-/// What is compared.
+/// Options of [`compare`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompareParams {
-    /// Vertices, evenly from all.
+    /// Number of vertices that are compared, taken evenly from all.
     pub vertices: usize,
-    /// The rays that transport was made with.
+    /// Number of rays that transport was made with.
     pub quality: Quality,
-    /// Which coefficients of the light are used.
+    /// Rule by which coefficients of the light are used.
     pub rule: LightRule,
 }
 
-/// Errors relative to what they are taken from: root of the sum of squared differences over that of squares, all
+/// Relative errors of relighting, by cause: the root of the sum of squared differences over that of squares, all
 /// channels, vertices and views together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorBreakdown {
-    /// Of everything together, from the exact BRDF under all light with sixteen rays a texel.
+    /// Error of everything together, from the exact BRDF under all light with sixteen rays a texel.
     pub total: f64,
-    /// Of the number of terms alone.
+    /// Error of the number of terms alone.
     pub rank: f64,
-    /// Of cutting and rounding coefficients, from the same terms with all.
+    /// Error of cutting and rounding coefficients, from the same terms with all.
     pub coefficients: f64,
-    /// Of the light's coefficients, from all of them with the same transport.
+    /// Error of the light's coefficients, from all of them with the same transport.
     pub light: f64,
-    /// Of fewer rays, from sixteen with the exact BRDF.
+    /// Error of fewer rays, from sixteen with the exact BRDF.
     pub visibility: f64,
-    /// Colours compared: vertices times views that see them.
+    /// Number of colours compared: vertices times views that see them.
     pub colours: usize,
-    /// Of these, with a channel below 0.
+    /// Number of these colours with a channel below 0.
     pub negative: usize,
 }
 
@@ -88,7 +88,8 @@ struct Colours {
 const LEAST_COSINE: f64 = 0.1;
 const VIEWS: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
-/// Compares colours of an object's vertices, seen from the six axes, with brute force. Work is counted in vertices.
+/// Compares the colours of an object's vertices, seen from the six axes, with brute force. Work is counted in
+/// vertices.
 ///
 /// # Errors
 ///

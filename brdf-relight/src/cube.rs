@@ -5,14 +5,14 @@
 
 use glam::DVec3;
 
-/// Texels along a side of a face.
+/// Number of texels along a side of a face.
 pub const SIDE: usize = 64;
-/// Texels of a face.
+/// Number of texels of a face.
 pub const FACE_TEXELS: usize = SIDE * SIDE;
-/// Texels of the cube.
+/// Number of texels of the cube.
 pub const TEXELS: usize = 6 * FACE_TEXELS;
 
-/// Right, down and outward axes of a face.
+/// The right, down and outward axes of a face of the cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
     /// Direction of growing columns.
@@ -23,7 +23,7 @@ pub struct Face {
     pub out: DVec3,
 }
 
-/// The six faces.
+/// The six faces of the cube.
 pub const FACES: [Face; 6] = [
     Face { right: DVec3::NEG_Z, down: DVec3::NEG_Y, out: DVec3::X },
     Face { right: DVec3::Z, down: DVec3::NEG_Y, out: DVec3::NEG_X },
@@ -34,29 +34,36 @@ pub const FACES: [Face; 6] = [
 ];
 
 impl Face {
-    /// The direction, not of unit length, through a place of a face; both coordinates in [−1, 1].
+    /// Returns the direction, not of unit length, through a place of the face; both coordinates in [−1, 1].
     pub fn through(&self, across: f64, along: f64) -> DVec3 {
         self.out + across * self.right + along * self.down
     }
 }
 
-/// Where the middle of a column or row of a face of so many stands, in [−1, 1].
+/// Returns the coordinate, in [−1, 1], of the middle of column or row `at` on a face of `side` columns and rows.
 pub fn middle(at: usize, side: usize) -> f64 {
     (2 * at + 1) as f64 / side as f64 - 1.0
 }
 
-/// Face, row and column of a texel.
+/// Returns face, row and column of a texel.
 pub fn place(texel: usize) -> (usize, usize, usize) {
     (texel / FACE_TEXELS, texel / SIDE % SIDE, texel % SIDE)
 }
 
-/// The unit direction through the middle of a texel.
+/// Returns the unit direction through the middle of a texel.
 pub fn direction(texel: usize) -> DVec3 {
     let (face, row, column) = place(texel);
     FACES[face].through(middle(column, SIDE), middle(row, SIDE)).normalize()
 }
 
-/// Steradians of a texel, exact.
+/// Returns the exact solid angle of a texel, sr.
+///
+/// ```
+/// use brdf_relight::cube::{TEXELS, solid_angle};
+///
+/// let sphere: f64 = (0..TEXELS).map(solid_angle).sum();
+/// assert!((sphere - 4.0 * std::f64::consts::PI).abs() < 1e-9);
+/// ```
 pub fn solid_angle(texel: usize) -> f64 {
     let (_, row, column) = place(texel);
     let edge = |at: usize| 2.0 * at as f64 / SIDE as f64 - 1.0;

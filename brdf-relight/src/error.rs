@@ -2,7 +2,7 @@
 
 use brdf_separable::SeparableError;
 
-/// Errors of this crate.
+/// A problem of this crate: a BRDF or transport that cannot be used, or work that was stopped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RelightError {

@@ -23,9 +23,17 @@ use crate::visibility::Quality;
 /// Cosines that vertices are seen at: those that look away are clamped here, where view maps end.
 const LEAST_COSINE: f64 = 0.02;
 
-/// A part whose only term is what each vertex shows a place, of the exact BRDF (or of the part's own maps where there
-/// is none) under all light, with sixteen rays a texel where neighbours differ; and that term. Work is counted
-/// in vertices.
+/// Computes by brute force the light that each vertex of a part reflects to a viewer, as a part that can be
+/// rendered.
+///
+/// At each vertex the BRDF times the cosine is summed over all texels of `light` that `occluder` leaves visible,
+/// with sixteen rays a texel where neighbours differ, for the direction to `eye`. With `brdf` the exact BRDF is
+/// evaluated; without, the maps of `part`. Nothing is cut or rounded, so the result is the reference for what
+/// relighting loses.
+///
+/// Returns a part with the vertices of `part`, a single term, and a constant view map, together with the radiance of
+/// that term at each vertex (linear RGB). Pushed to [`RelitScene::parts`](crate::RelitScene), these colours make
+/// [`render`](crate::render) draw the reference picture. Work is counted in vertices.
 ///
 /// # Errors
 ///

@@ -11,24 +11,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::RelightError;
 
-/// What light maps hold.
+/// The number of channels of light maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightMaps {
-    /// Red, green and blue: eigenpairs of each channel (the paper's).
+    /// Three channels: eigenpairs of red, green and blue each (the paper's).
     Rgb,
-    /// One number: singular vectors of all channels together; only view maps have colour.
+    /// One channel: singular vectors of all channels together; only view maps have colour.
     Joint,
 }
 
-/// Options of the factorization.
+/// Options of [`factor_for_relighting`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MapParams {
     /// Number of terms; groups of equal magnitude are completed beyond it.
     pub rank: usize,
-    /// What light maps hold.
+    /// Number of channels of light maps.
     pub light_maps: LightMaps,
     /// Texels along a side of the maps.
     pub resolution: usize,
@@ -37,6 +37,19 @@ pub struct MapParams {
 }
 
 /// Returns a BRDF factored over the orthographic discs of light and view.
+///
+/// ```
+/// use brdf_job::Job;
+/// use brdf_model::Preset;
+/// use brdf_relight::{BrdfMaps, LightMaps, MapParams, factor_for_relighting};
+///
+/// let plastic = Preset::find("plastic").expect("a built-in material").brdf();
+/// let params = MapParams { rank: 4, light_maps: LightMaps::Joint, resolution: 16, weight_power: 0.0 };
+/// let fit = factor_for_relighting(&plastic, &params, &Job::new())?;
+/// let maps = BrdfMaps::of(&fit.model)?;
+/// assert_eq!((maps.terms, maps.light_channels()), (4, 1));
+/// # Ok::<(), brdf_relight::RelightError>(())
+/// ```
 ///
 /// # Errors
 ///

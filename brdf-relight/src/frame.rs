@@ -2,11 +2,21 @@
 
 use glam::{DMat3, DVec3};
 
-/// Tangent, bitangent and normal as columns: s along u and t against v of the stereographic projection
-/// from the south pole, (n.x, n.z) / (1 + n.y).
+/// Returns tangent, bitangent and normal, as columns, of a frame that is smooth all over a surface.
 ///
-/// Smooth everywhere but at the south pole, about which it turns twice; there it is one of its limits.
-/// Sources: Wang, Tran and Luebke 2004, section 3.4; the closed form divides their s by its length 2 (1 + n.y).
+/// The tangents are s along u and t against v of the stereographic projection from the south pole, (n.x, n.z) / (1 +
+/// n.y). The frame is smooth everywhere but at the south pole, about which it turns twice; there it is one of its
+/// limits. Sources: Wang, Tran and Luebke 2004, section 3.4; the closed form divides their s by its length 2 (1 +
+/// n.y).
+///
+/// ```
+/// use glam::DVec3;
+///
+/// let normal = DVec3::new(0.6, 0.8, 0.0);
+/// let frame = brdf_relight::tangent_frame(normal);
+/// assert!((frame * DVec3::Z).distance(normal) < 1e-12);
+/// assert!((frame.determinant() - 1.0).abs() < 1e-12);
+/// ```
 pub fn tangent_frame(normal: DVec3) -> DMat3 {
     let n = normal;
     let rest = 1.0 + n.y;

@@ -2,8 +2,18 @@
 
 use crate::cube::{FACE_TEXELS, SIDE};
 
-/// Transforms a face of `width` interleaved channels, `[row][column][channel]`, in place: all levels of the
-/// nonstandard two-dimensional basis. `scratch` is as long as the face.
+/// Transforms a face of `width` interleaved channels, `[row][column][channel]`, in place, with all levels of the
+/// nonstandard two-dimensional Haar basis. `scratch` is as long as the face.
+///
+/// ```
+/// use brdf_relight::{cube::FACE_TEXELS, haar};
+///
+/// let (mut face, mut scratch) = (vec![1.0; FACE_TEXELS], vec![0.0; FACE_TEXELS]);
+/// haar::transform(&mut face, 1, &mut scratch);
+/// assert!((face[0] - 64.0).abs() < 1e-4, "the basis is orthonormal");
+/// haar::restore(&mut face, 1, &mut scratch);
+/// assert!((face[77] - 1.0).abs() < 1e-5);
+/// ```
 ///
 /// # Panics
 ///
@@ -56,7 +66,7 @@ impl pulp::NullaryFnOnce for Forward<'_> {
     }
 }
 
-/// Undoes [`transform`].
+/// Inverts [`transform`], in place.
 ///
 /// # Panics
 ///

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::cube::{FACE_TEXELS, FACES, SIDE, TEXELS, middle};
 use crate::haar;
 
-/// Which coefficients of a light are used.
+/// The rule by which wavelet coefficients of a light are used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -28,22 +28,29 @@ const MOST: usize = 1000;
 /// Share of the energy that it holds.
 const HELD: f64 = 0.995;
 
-/// The sky's radiance over the texels of the cube.
+/// Light from everywhere: the sky's radiance over the texels of the cube.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubeLight {
     /// Mean linear RGB of each texel.
     pub radiance: Vec<[f32; 3]>,
 }
 
-/// Coefficients of a light, in order.
+/// Wavelet coefficients of a light, in ascending order of their places.
+///
+/// ```
+/// use brdf_relight::{CubeLight, LightRule};
+///
+/// let lit = CubeLight::uniform([1.0, 0.5, 0.25]).coefficients(LightRule::All);
+/// assert_eq!(lit.places().len(), 6, "one for each face");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LitCoefficients {
     places: Vec<u16>,
     values: Vec<[f32; 3]>,
 }
 
-/// Where the rays of each texel of the cube lie in lat-long maps, and their shares of the texel's solid angle: for light
-/// that changes often.
+/// A sampler of lat-long environment maps over the texels of the cube, for light that changes often: it keeps where
+/// the rays of each texel lie, and their shares of the texel's solid angle.
 #[derive(Clone, Debug)]
 pub struct CubeLightSampler {
     rays: Vec<[LightRay; RAYS]>,
@@ -82,8 +89,8 @@ impl Default for CubeLightSampler {
 }
 
 impl CubeLightSampler {
-    /// An environment turned about the vertical by an angle in radians, counter-clockwise seen from above: means over each
-    /// texel.
+    /// Returns the light of an environment map, as means over each texel, turned about the vertical by `rotation`
+    /// radians, counter-clockwise seen from above.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -108,12 +115,12 @@ impl CubeLightSampler {
 }
 
 impl CubeLight {
-    /// The same radiance from everywhere.
+    /// Returns light of the same radiance from everywhere.
     pub fn uniform(radiance: [f32; 3]) -> Self {
         Self { radiance: vec![radiance; TEXELS] }
     }
 
-    /// Wavelet coefficients, by a rule.
+    /// Returns the wavelet coefficients that `rule` chooses.
     pub fn coefficients(&self, rule: LightRule) -> LitCoefficients {
         let mut values: Vec<f32> = self.radiance.as_flattened().to_vec();
         let mut scratch = vec![0.0; 3 * FACE_TEXELS];
@@ -170,12 +177,12 @@ fn by_energy(values: &[[f32; 3]]) -> Vec<usize> {
 }
 
 impl LitCoefficients {
-    /// Which coefficients, ascending.
+    /// Returns the places of the coefficients, ascending.
     pub fn places(&self) -> &[u16] {
         &self.places
     }
 
-    /// Their red, green and blue.
+    /// Returns red, green and blue of each coefficient.
     pub fn values(&self) -> &[[f32; 3]] {
         &self.values
     }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::error::RelightError;
 
-/// Textures over the orthographic disc: all terms and channels of a texel stand together.
+/// Textures over the orthographic disc of the hemisphere. All terms and channels of a texel stand together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapStack {
     resolution: usize,
@@ -16,7 +16,7 @@ pub struct MapStack {
 }
 
 impl MapStack {
-    /// Textures of `resolution`² texels of `width` values, `[row][column][value]`.
+    /// Returns textures of `resolution`² texels of `width` values, `[row][column][value]`.
     ///
     /// # Errors
     ///
@@ -33,33 +33,34 @@ impl MapStack {
         Ok(Self { resolution, width, texels, is_constant })
     }
 
-    /// The same value in every direction.
+    /// Returns textures that have the same values in every direction.
     pub fn constant(values: &[f32]) -> Self {
         let texels = values.repeat(4);
         Self { resolution: 2, width: values.len(), texels, is_constant: true }
     }
 
-    /// Texels along a side.
+    /// Returns the number of texels along a side.
     pub fn resolution(&self) -> usize {
         self.resolution
     }
 
-    /// Values of a texel.
+    /// Returns the number of values of a texel.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// The values of all directions, where they are the same.
+    /// Returns the values of all directions where they are the same, or `None`.
     pub fn constant_values(&self) -> Option<&[f32]> {
         self.is_constant.then(|| &self.texels[..self.width])
     }
 
-    /// All values, `[row][column][value]`.
+    /// Returns all values, `[row][column][value]`.
     pub fn texels(&self) -> &[f32] {
         &self.texels
     }
 
-    /// Values in a unit direction of the frame of the surface, times `share`; linear between texels.
+    /// Writes the values in a unit direction of the surface's frame, times `share`, into `out`; linear between
+    /// texels.
     ///
     /// # Panics
     ///
@@ -105,7 +106,7 @@ pub struct BrdfMaps {
 }
 
 impl BrdfMaps {
-    /// The maps of a sum of products over light and view.
+    /// Returns the maps of a sum of products over light and view.
     ///
     /// # Errors
     ///
@@ -149,7 +150,7 @@ impl BrdfMaps {
         Self::new(light, MapStack::new(view, 3 * terms, view_texels)?, terms)
     }
 
-    /// Maps of so many terms.
+    /// Returns maps of `terms` terms.
     ///
     /// # Errors
     ///
@@ -166,7 +167,7 @@ impl BrdfMaps {
         Ok(Self { light, view, terms })
     }
 
-    /// A diffuse surface of this albedo.
+    /// Returns the maps of a diffuse surface of this albedo: one term, one light channel.
     pub fn diffuse(albedo: f32) -> Self {
         Self {
             light: MapStack::constant(&[1.0]),
@@ -193,7 +194,7 @@ impl BrdfMaps {
         Terms { weights, channels: self.light_channels() }
     }
 
-    /// Values of a term's light map: one, or three.
+    /// Returns the number of values of a term's light map: one or three.
     pub fn light_channels(&self) -> usize {
         self.light.width() / self.terms
     }

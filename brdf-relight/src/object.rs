@@ -21,19 +21,19 @@ const GROUND_ALBEDO: f32 = 0.35;
 /// Chunks that are made at a time, and kept if a run is interrupted.
 const AT_A_TIME: usize = 8;
 
-/// How an object is precomputed.
+/// Options of the precomputation of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ObjectParams {
-    /// How the BRDF is factored.
+    /// Options of the factorization of the BRDF.
     pub maps: MapParams,
-    /// How transport is made.
+    /// Options of the precomputation of transport.
     pub precompute: PrecomputeParams,
     /// Whether the object stands on diffuse ground that takes its shadow.
     pub has_ground: bool,
 }
 
-/// How the transport of a file was made.
+/// A record of how the transport of a file was made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RelightRecord {
@@ -47,7 +47,8 @@ pub struct RelightRecord {
     pub precompute: PrecomputeParams,
 }
 
-/// The precomputation of an object and its ground, in chunks that do not need each other.
+/// The precomputation of an object and its ground, in pieces that do not need each other: it can be interrupted and
+/// resumed.
 #[derive(Debug)]
 pub struct ObjectPrecomputation {
     work: Vec<Precomputation>,
@@ -90,7 +91,8 @@ impl ObjectPrecomputation {
         self.work.iter().map(|part| part.surface().positions.len()).sum()
     }
 
-    /// Returns a hash of all that chunks depend on.
+    /// Returns a hash of all that pieces depend on, so that those of an earlier run can be told from those of
+    /// another object.
     pub fn key(&self) -> [u8; 32] {
         let mut hash = Sha256::new();
         for part in &self.work {
@@ -108,7 +110,7 @@ impl ObjectPrecomputation {
         hash.finalize().into()
     }
 
-    /// Takes a piece that an earlier run of the same [key](Self::key) made. Returns the number of its vertices.
+    /// Takes a piece that an earlier run of the same [key](Self::key) made, and returns the number of its vertices.
     ///
     /// # Errors
     ///
@@ -137,8 +139,8 @@ impl ObjectPrecomputation {
         open
     }
 
-    /// Makes what is left; `keep` is given every piece as soon as it is made, with its number. Work is counted in
-    /// vertices.
+    /// Makes the pieces that are left, and calls `keep` with the number of each piece and the piece as soon as it is
+    /// made. Work is counted in vertices.
     ///
     /// # Errors
     ///
@@ -167,7 +169,7 @@ impl ObjectPrecomputation {
         Ok(())
     }
 
-    /// Puts the pieces together: the object, then its ground.
+    /// Assembles the pieces and returns the object, then its ground if it has one.
     ///
     /// # Errors
     ///

@@ -5,12 +5,12 @@ use glam::DVec3;
 
 use crate::raster::RenderParams;
 
-/// Where a camera stands about an object, and what picture it takes.
+/// A camera on a circle about an object, and the size of the picture that it takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// From +z towards +x, radians.
+    /// Azimuth of the camera from +z towards +x, radians.
     pub azimuth: f64,
-    /// Radians above the horizon.
+    /// Elevation of the camera above the horizon, radians.
     pub elevation: f64,
     /// Distance from the object's centre in radii of the object, above 1.
     pub radii: f64,
@@ -21,7 +21,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// Returns the picture of a mesh, the camera moved on by `turn` radians.
+    /// Returns the options of a picture of a mesh, with the camera moved on by `turn` radians.
     pub fn render_params(&self, mesh: &Mesh, turn: f64) -> RenderParams {
         let (sin, cos) = (self.azimuth + turn).sin_cos();
         let up = self.elevation;

@@ -19,14 +19,14 @@ use crate::transport::{
 };
 use crate::visibility::Quality;
 
-/// How transport is stored.
+/// The form in which transport is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Codec {
     /// The largest wavelet coefficients of each vector (the paper's).
     Wavelet {
-        /// How many at most.
+        /// Most coefficients of a vector.
         coefficients: usize,
     },
     /// Wavelet coefficients of principal components that clusters of vertices share (Sloan et al. 2003).
@@ -41,9 +41,9 @@ pub enum Codec {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PrecomputeParams {
-    /// How transport is stored.
+    /// Form in which transport is stored.
     pub codec: Codec,
-    /// How finely the sky is looked at.
+    /// Number of rays with which visibility is found.
     pub quality: Quality,
 }
 
@@ -53,7 +53,24 @@ impl Default for PrecomputeParams {
     }
 }
 
-/// The precomputation of a surface, in chunks that do not need each other.
+/// The precomputation of radiance transfer for one surface, in chunks that do not need each other.
+///
+/// ```
+/// use brdf_mesh::{Mesh, Soup};
+/// use brdf_relight::{
+///     BrdfMaps, Codec, Occluder, Precomputation, PrecomputeParams, Quality, Surface,
+/// };
+///
+/// let (torus, _) = Mesh::new(Soup::torus())?;
+/// let params =
+///     PrecomputeParams { codec: Codec::Wavelet { coefficients: 16 }, quality: Quality::One };
+/// let work = Precomputation::new(&torus, Surface::of(&torus), BrdfMaps::diffuse(0.5), params);
+/// let chunk = work.make(&Occluder::of(&torus), 0)?;
+/// assert_eq!(chunk.vectors.len(), work.chunks()[0].len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "PRT")]
+#[doc(alias = "precomputed radiance transfer")]
 #[derive(Debug)]
 pub struct Precomputation {
     surface: Surface,
@@ -70,7 +87,7 @@ const CHUNK: usize = 256;
 /// Coefficients of vertices that hold less than this share of what a component's have to are not looked at.
 const GATHERED: f64 = 1.0 / 16.0;
 
-/// What is made of a chunk.
+/// The transport of one chunk of vertices, before it is assembled.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chunk {
     /// One for each vertex of the chunk, or for each component of the cluster.
@@ -80,7 +97,7 @@ pub struct Chunk {
 }
 
 impl Precomputation {
-    /// Plans the transport of a surface's vertices, about or beneath a mesh.
+    /// Returns a plan for the transport of a surface's vertices, on or beneath a mesh.
     pub fn new(mesh: &Mesh, surface: Surface, maps: BrdfMaps, params: PrecomputeParams) -> Self {
         let chunks = match params.codec {
             Codec::Wavelet { .. } => {
@@ -102,22 +119,22 @@ impl Precomputation {
         }
     }
 
-    /// What is shaded.
+    /// Returns the surface whose vertices are shaded.
     pub fn surface(&self) -> &Surface {
         &self.surface
     }
 
-    /// Its light maps and view maps.
+    /// Returns its light maps and view maps.
     pub fn maps(&self) -> &BrdfMaps {
         &self.maps
     }
 
-    /// Numbers of vertices, chunk by chunk.
+    /// Returns the numbers of vertices, chunk by chunk.
     pub fn chunks(&self) -> &[Vec<u32>] {
         &self.chunks
     }
 
-    /// Makes a chunk.
+    /// Makes the transport of a chunk.
     ///
     /// # Errors
     ///
@@ -167,7 +184,7 @@ impl Precomputation {
         taken.collect()
     }
 
-    /// Puts the chunks together, all of them and in order.
+    /// Assembles the chunks, all of them and in order, to a part that can be relit.
     pub fn assemble(self, made: &[Chunk]) -> Part<'static> {
         let coding = Coding::of(self.terms.channels);
         let transport = match self.params.codec {
@@ -183,7 +200,7 @@ impl Precomputation {
         Part::assemble(self.surface, self.maps, transport)
     }
 
-    /// Makes all chunks and puts them together.
+    /// Makes all chunks and assembles them to a part that can be relit.
     ///
     /// # Errors
     ///

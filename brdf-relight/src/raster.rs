@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use crate::frame::tangent_frame;
 use crate::scene::{Part, RelitScene};
 
-/// How a picture is taken.
+/// Options of a picture: camera, size and points a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderParams {
-    /// From where.
+    /// Camera that the picture is taken with.
     pub camera: Camera,
     /// Pixels along each side.
     pub size: usize,
@@ -48,8 +48,11 @@ struct Point {
     shares: [f32; 2],
 }
 
-/// Draws parts as light made them, and counts points where the sum of products was below 0 and set to 0. View maps
-/// are read for each point, between the values of the corners. Triangles whose normals look away are not drawn.
+/// Renders parts as light made them, and returns the picture with the number of points where the sum of products was
+/// below 0 and set to 0.
+///
+/// View maps are read for each point, between the values of the corners. Triangles whose normals look away are not
+/// drawn.
 pub fn render(parts: &[Part<'_>], relit: &RelitScene, shot: &RenderParams) -> (Film, usize) {
     let side = shot.size * shot.points;
     let projected: Vec<Vec<Projected>> = parts

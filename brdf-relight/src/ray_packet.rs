@@ -16,7 +16,7 @@ use obvhs::bvh2::builder::build_bvh2;
 
 use crate::cube::{FACES, middle};
 
-/// Rays along a side of a tile.
+/// Number of rays along a side of a tile.
 pub const TILE: usize = 8;
 /// Children of a node.
 const WIDTH: usize = 8;
@@ -38,7 +38,7 @@ struct Node {
     counts: [u8; WIDTH],
 }
 
-/// A mesh that stands in the way.
+/// A mesh that stands in the way of light, prepared for tiles of rays.
 #[derive(Clone, Debug)]
 pub struct Occluder {
     nodes: Vec<Node>,
@@ -49,7 +49,7 @@ pub struct Occluder {
     scale: f64,
 }
 
-/// A tile of rays from a common origin, as axes and bounds of a face.
+/// A tile of 8 × 8 rays from a common origin, as axes and bounds of a face.
 #[derive(Clone, Copy, Debug)]
 pub struct Tile {
     /// Which face of the cube.
@@ -61,7 +61,7 @@ pub struct Tile {
 }
 
 impl Occluder {
-    /// The triangles of a mesh.
+    /// Returns an occluder of the triangles of a mesh.
     pub fn of(mesh: &Mesh) -> Self {
         let (positions, centre, scale) = (mesh.positions(), mesh.centre(), mesh.radius().recip());
         let corner = |at: u32| ((positions[at as usize] - centre) * scale).as_vec3();
@@ -125,12 +125,13 @@ impl Occluder {
         u32::try_from(index).unwrap_or(NONE)
     }
 
-    /// A place in the occluder's own coordinates.
+    /// Returns a place in the occluder's own coordinates.
     pub fn origin(&self, position: glam::DVec3) -> Vec3 {
         ((position - self.centre) * self.scale).as_vec3()
     }
 
-    /// The rays of a tile that meet a triangle, besides those already `covered`; bit 8 column + row.
+    /// Returns the rays of a tile that meet a triangle, together with those already `covered`; ray `(column, row)`
+    /// is bit 8 column + row.
     pub fn cover(&self, origin: Vec3, tile: &Tile, covered: u64) -> u64 {
         pulp::Arch::new().dispatch(Cover { occluder: self, origin, tile, covered })
     }

@@ -10,21 +10,23 @@ use crate::maps::BrdfMaps;
 use crate::store::Transport;
 use crate::surface::Surface;
 
-/// A surface with its transport.
+/// A surface with its precomputed transport.
+#[doc(alias = "PRT")]
+#[doc(alias = "precomputed radiance transfer")]
 #[derive(Clone, Debug)]
 pub struct Part<'a> {
-    /// What is shaded.
+    /// Vertices, normals and triangles that are shaded.
     pub surface: Surface,
     /// Light maps and view maps of its BRDF.
     pub maps: BrdfMaps,
-    /// Vectors, `[vertex][term]`.
+    /// Vectors of transport, `[vertex][term]`.
     pub transport: Transport<'a>,
     /// Normals as pictures need them.
     pub(crate) shading_normals: Vec<Vec3>,
 }
 
 impl<'a> Part<'a> {
-    /// A surface with its transport, if they fit together.
+    /// Returns a surface with its transport, if they fit together.
     ///
     /// # Errors
     ///
@@ -86,16 +88,17 @@ impl<'a> Part<'a> {
     }
 }
 
-/// What arrives at the vertices of some parts under one light.
+/// The light that arrives at the vertices of some parts from one environment.
 #[derive(Clone, Debug, Default)]
 pub struct RelitScene {
-    /// For each part, `[vertex][term]` of red, green and blue.
+    /// Light that each vertex receives for each term: for each part, `[vertex][term]` of red, green and blue.
     pub parts: Vec<Vec<[f32; 3]>>,
     scratch: Vec<[f32; 3]>,
 }
 
 impl RelitScene {
-    /// Multiplies light with the transport of all parts; memory is used again.
+    /// Multiplies light with the transport of all parts, and keeps what arrives at each vertex and term. Memory is
+    /// used again.
     pub fn relight(&mut self, parts: &[Part<'_>], light: &LitCoefficients) {
         self.parts.resize_with(parts.len(), Vec::new);
         for (part, values) in parts.iter().zip(&mut self.parts) {

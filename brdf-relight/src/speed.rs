@@ -18,34 +18,34 @@ use crate::raster::render;
 use crate::ray_packet::Occluder;
 use crate::scene::{Part, RelitScene};
 
-/// What is timed.
+/// Options of [`measure_speed`].
 #[derive(Clone, Copy, Debug)]
 pub struct SpeedParams<'a> {
-    /// The light.
+    /// Light of the frames.
     pub environment: &'a Environment,
     /// Its turn about the vertical in the first frame, radians.
     pub rotation: f64,
-    /// Which of its coefficients are used.
+    /// Rule by which its coefficients are used.
     pub rule: LightRule,
     /// The first picture; one point a pixel is drawn.
     pub orbit: Orbit,
-    /// Frames of each kind.
+    /// Number of frames of each kind.
     pub frames: u32,
-    /// How the transport was made.
+    /// Options that the transport was made with.
     pub precompute: PrecomputeParams,
 }
 
-/// Times of an object on this machine.
+/// Times of relighting an object on this machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Speed {
     /// Seconds of a precomputation: of a dozen chunks of each part, which stand for all.
     pub precompute_s: f64,
-    /// Products of light and transport in a second.
+    /// Products of light and transport in a second, without the picture.
     pub light_kernel_fps: f64,
-    /// The same with a new light and the picture.
+    /// Frames in a second with a new light each: its coefficients, the product and the picture.
     pub light_frame_fps: f64,
-    /// New views in a second.
+    /// Frames in a second with a new view each.
     pub view_frame_fps: f64,
     /// Coefficients of the light that are used.
     pub lit_coefficients: usize,
@@ -54,7 +54,7 @@ pub struct Speed {
 /// Chunks of each part that precomputation is timed on.
 const TIMED: usize = 12;
 
-/// Times new light, new views and the precomputation of an object.
+/// Measures the times of new light, of new views and of the precomputation of an object.
 ///
 /// # Errors
 ///

@@ -14,22 +14,22 @@ use crate::error::RelightError;
 use crate::light::LitCoefficients;
 use crate::transport::SparseVectors;
 
-/// Transport as it is stored.
+/// Precomputed transport as it is stored.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Transport<'a> {
-    /// Each vertex for itself.
+    /// Wavelet coefficients of each vertex for itself.
     Wavelets(SparseTransport<'a>),
-    /// Components that clusters of vertices share.
+    /// Components that clusters of vertices share, and each vertex's weights.
     Clusters(ClusteredTransport<'a>),
 }
 
 impl Transport<'_> {
-    /// How numbers are stored.
+    /// Returns how numbers are stored.
     pub fn coding(&self) -> Coding {
         self.sparse().coding()
     }
 
-    /// Number of vectors: vertices times terms.
+    /// Returns the number of vectors: vertices times terms.
     pub fn vectors(&self) -> usize {
         match self {
             Self::Wavelets(transport) => transport.vectors(),
@@ -37,12 +37,12 @@ impl Transport<'_> {
         }
     }
 
-    /// Number of kept coefficients, of vertices or of components.
+    /// Returns the number of kept coefficients, of vertices or of components.
     pub fn entries(&self) -> usize {
         self.sparse().entries()
     }
 
-    /// Bytes as stored.
+    /// Returns the bytes that it takes as stored.
     pub fn bytes(&self) -> usize {
         match self {
             Self::Wavelets(transport) => transport.bytes(),
@@ -50,8 +50,8 @@ impl Transport<'_> {
         }
     }
 
-    /// Products of all vectors with light, red, green and blue for each, into `out`; `scratch` is memory that is used
-    /// again.
+    /// Writes the products of all vectors with light into `out`, red, green and blue for each. `scratch` is memory
+    /// that is used again.
     ///
     /// # Panics
     ///
@@ -76,10 +76,10 @@ impl Transport<'_> {
     }
 }
 
-/// Vectors of a block; their numbers within it fit sixteen bits.
+/// Number of vectors of a block; their numbers within it fit sixteen bits.
 pub const VERTEX_BLOCK: usize = 8192;
 
-/// Sparse vectors by coefficient. Borrowed arrays may lie in a mapped file.
+/// Sparse vectors, ordered by coefficient. Borrowed arrays may lie in a mapped file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseTransport<'a> {
     coding: Coding,
@@ -92,7 +92,7 @@ pub struct SparseTransport<'a> {
     codes: Codes<'a>,
 }
 
-/// Codes of entries.
+/// Codes of the entries of a [`SparseTransport`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Codes<'a> {
     /// Of [`Coding::Rgb`].
@@ -118,7 +118,8 @@ impl Codes<'_> {
 }
 
 impl SparseTransport<'static> {
-    /// Orders the vectors of vertices, or of components, each of which has the same number of terms.
+    /// Returns the vectors of vertices, or of components, each of which has the same number of terms, ordered by
+    /// coefficient.
     pub fn of(coding: Coding, vertices: &[&SparseVectors]) -> Self {
         let scales: Vec<f32> =
             vertices.iter().flat_map(|v| &v.largest).map(|v| v / coding.top()).collect();
@@ -189,7 +190,7 @@ fn ordered(vectors: &[(&SparseVectors, usize, usize)]) -> (Vec<u32>, Vec<u16>, V
 }
 
 impl<'a> SparseTransport<'a> {
-    /// From its arrays, as [`SparseTransport::parts`] gives them.
+    /// Returns transport made from its arrays, in the form that [`SparseTransport::parts`] returns.
     ///
     /// # Errors
     ///
@@ -241,32 +242,32 @@ impl<'a> SparseTransport<'a> {
         Ok(Self { coding, scales, offsets, owners, codes })
     }
 
-    /// Scales, offsets, owners and codes.
+    /// Returns scales, offsets, owners and codes.
     pub fn parts(&self) -> (&[f32], &[u32], &[u16], &Codes<'a>) {
         (&self.scales, &self.offsets, &self.owners, &self.codes)
     }
 
-    /// How values are stored.
+    /// Returns how values are stored.
     pub fn coding(&self) -> Coding {
         self.coding
     }
 
-    /// Number of vectors: vertices times terms.
+    /// Returns the number of vectors: vertices times terms.
     pub fn vectors(&self) -> usize {
         self.scales.len()
     }
 
-    /// Number of kept coefficients.
+    /// Returns the number of kept coefficients.
     pub fn entries(&self) -> usize {
         self.owners.len()
     }
 
-    /// Bytes as stored: entries, scales and offsets.
+    /// Returns the bytes that it takes as stored: entries, scales and offsets.
     pub fn bytes(&self) -> usize {
         (2 + self.coding.bytes()) * self.entries() + 4 * (self.scales.len() + self.offsets.len())
     }
 
-    /// The same with the `count` largest coefficients of each vector; of equal ones the first.
+    /// Returns transport that keeps the `count` largest coefficients of each vector; of equal ones the first.
     pub fn largest(&self, count: usize) -> SparseTransport<'static> {
         let top = self.coding.top();
         let empty = |scale: &f32| SparseVectors {
@@ -297,7 +298,7 @@ impl<'a> SparseTransport<'a> {
         SparseTransport::of(self.coding, &vectors.iter().collect::<Vec<_>>())
     }
 
-    /// Products of all vectors with light, red, green and blue for each, into `out`.
+    /// Writes the products of all vectors with light into `out`, red, green and blue for each.
     ///
     /// # Panics
     ///

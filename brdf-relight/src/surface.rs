@@ -23,7 +23,7 @@ const GROUND_WIDTH: f64 = 4.0;
 const LIFT: f64 = 1e-4;
 
 impl Surface {
-    /// The vertices of a mesh.
+    /// Returns the vertices and triangles of a mesh.
     pub fn of(mesh: &Mesh) -> Self {
         Self {
             positions: mesh.positions().to_vec(),
@@ -32,7 +32,7 @@ impl Surface {
         }
     }
 
-    /// A square of ground beneath a mesh.
+    /// Returns a square of ground beneath a mesh.
     pub fn ground(mesh: &Mesh) -> Self {
         let half = 0.5 * GROUND_WIDTH * diagonal(mesh.positions());
         let (centre, height) = (mesh.centre(), mesh.lowest());
@@ -53,7 +53,8 @@ impl Surface {
         Self { normals: vec![DVec3::Y; positions.len()], positions, triangles: triangles.collect() }
     }
 
-    /// Where the sky is looked at from each vertex, above the surface by a share of `diagonal`.
+    /// Returns the place of each vertex from which the sky is looked at, above the surface by a share of `diagonal`,
+    /// with its normal.
     pub fn shading_points(&self, diagonal: f64) -> Vec<ShadingPoint> {
         let pairs = self.positions.iter().zip(&self.normals);
         pairs

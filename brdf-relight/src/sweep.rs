@@ -13,7 +13,7 @@ use crate::ray_packet::Occluder;
 use crate::scene::{Part, RelitScene};
 use crate::store::Transport;
 
-/// What varies. Terms and coefficients are taken from the object's own, largest first.
+/// The quantity that [`sweep`] varies. Terms and coefficients are taken from the object's own, largest first.
 #[derive(Clone, Copy)]
 pub enum Vary<'a> {
     /// The number of terms; brute force takes the exact BRDF.
@@ -31,18 +31,18 @@ impl std::fmt::Debug for Vary<'_> {
     }
 }
 
-/// Pictures of an object with a number of terms or coefficients, and by brute force.
+/// Pictures of an object with several numbers of terms or coefficients, and by brute force.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// One for each number.
+    /// Pictures, one for each number.
     pub films: Vec<Film>,
-    /// By brute force at each vertex: all light, adaptive rays.
+    /// Picture by brute force at each vertex: all light, adaptive rays.
     pub exact: Film,
     /// Of pixels that show the object, over the root mean square of the exact picture; one for each number.
     pub relative_rms: Vec<f64>,
 }
 
-/// Takes pictures with each of some numbers of terms or coefficients, and one by brute force.
+/// Renders pictures with each of several numbers of terms or coefficients, and one by brute force.
 ///
 /// # Errors
 ///
@@ -147,7 +147,8 @@ fn keep_terms(part: &Part<'_>, arriving: &mut [[f32; 3]], terms: usize) {
     }
 }
 
-/// Of pixels that show an object in both, over the root of the mean square of `wanted`.
+/// Root mean square error of the pixels that show the object, over the root mean square of the exact picture; one
+/// for each number.
 fn relative_rms(found: &Film, wanted: &Film) -> f64 {
     let pairs = found.pixels().iter().zip(wanted.pixels());
     let shown = pairs.filter_map(|pair| match pair {

@@ -11,12 +11,12 @@ use crate::maps::{BrdfMaps, MapStack, Terms};
 use crate::ray_packet::Occluder;
 use crate::visibility::{Quality, Visibility};
 
-/// A vertex: where it is looked from, and its normal.
+/// The point from which a vertex looks at the sky, and its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingPoint {
-    /// A little above the surface.
+    /// The point, a little above the surface.
     pub position: DVec3,
-    /// Unit.
+    /// Unit normal.
     pub normal: DVec3,
 }
 
@@ -27,7 +27,7 @@ pub struct SparseVectors {
     pub largest: Vec<f32>,
     /// How many coefficients each term keeps.
     pub counts: Vec<u16>,
-    /// Which, in order, term after term.
+    /// Places of the coefficients, ascending, term after term.
     pub places: Vec<u16>,
     /// Their values as codes.
     pub codes: Vec<u32>,
@@ -54,7 +54,7 @@ impl SparseVectors {
     }
 }
 
-/// Texels of the sky as f32.
+/// Directions and solid angles of all texels of the cube, as `f32`.
 #[derive(Clone, Debug)]
 pub struct CubeDirections {
     directions: Vec<Vec3>,
@@ -72,21 +72,22 @@ impl Default for CubeDirections {
 }
 
 impl CubeDirections {
-    /// Unit directions of all texels.
+    /// Returns the unit directions of all texels.
     pub fn directions(&self) -> &[Vec3] {
         &self.directions
     }
 
-    /// Steradians of all texels.
+    /// Returns the solid angles of all texels, sr.
     pub fn solid_angles(&self) -> &[f32] {
         &self.solid_angles
     }
 }
 
-/// Memory of one vertex's transport, used again for the next.
+/// Scratch memory for the transport of one vertex, used again for the next. It holds a value for each texel of the
+/// cube and each value of the light maps, and the visibility of the texels.
 #[derive(Clone, Debug)]
 pub struct TransportWorkspace {
-    /// What it sees.
+    /// Visible share of each texel, for the vertex that was last looked from.
     pub visibility: Visibility,
     /// `[texel or coefficient][term, channel]`.
     values: Vec<f32>,
@@ -99,7 +100,8 @@ pub struct TransportWorkspace {
 }
 
 impl TransportWorkspace {
-    /// For light maps of so many values a texel.
+    /// Returns a workspace for light maps of `width` values a texel: the number of terms times the channels of each,
+    /// [`MapStack::width`]. It takes about 24,576 × 4 × `width` bytes.
     pub fn new(width: usize) -> Self {
         Self {
             visibility: Visibility::default(),
@@ -112,8 +114,11 @@ impl TransportWorkspace {
         }
     }
 
-    /// Solid angle times visible share times cosine times light maps, for each texel of the sky: `[texel][value]`.
-    /// Times radiance and summed it is what each term receives (Eq. 3, with the cosine).
+    /// Computes the transport of a vertex: solid angle times visible share times cosine times light maps, for each
+    /// texel of the cube, `[texel][value]`.
+    ///
+    /// Multiplied by radiance and summed over texels it is the light that each term receives (Eq. 3, with the
+    /// cosine).
     ///
     /// # Panics
     ///
@@ -158,7 +163,8 @@ impl TransportWorkspace {
         }
     }
 
-    /// Wavelet coefficients of the transport that [`TransportWorkspace::transport`] made, in its place.
+    /// Transforms the values that [`TransportWorkspace::transport`] made to wavelet coefficients, in place, and
+    /// returns them.
     pub fn transform(&mut self) -> &[f32] {
         let width = self.values.len() / TEXELS;
         for (face, values) in self.values.chunks_exact_mut(FACE_TEXELS * width).enumerate() {
@@ -169,7 +175,7 @@ impl TransportWorkspace {
         &self.values
     }
 
-    /// The `count` largest coefficients of each of so many terms.
+    /// Returns the `count` largest wavelet coefficients of each of `terms` terms.
     pub fn select(&mut self, terms: usize, count: usize) -> SparseVectors {
         let width = self.values.len() / TEXELS;
         let channels = width / terms;

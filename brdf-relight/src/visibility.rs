@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use crate::cube::{FACES, SIDE, TEXELS, middle};
 use crate::ray_packet::{Occluder, TILE, Tile};
 
-/// How finely the sky is looked at.
+/// The number of rays with which visibility is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -22,7 +22,7 @@ pub enum Quality {
 /// Rays along a side of a texel that is looked at finely.
 const FINE: usize = 4;
 
-/// Shares in sixteenths, texel by texel.
+/// Visible shares of the texels of the cube from one place, in sixteenths.
 #[derive(Clone, Debug)]
 pub struct Visibility {
     shares: Vec<u8>,
@@ -36,12 +36,12 @@ impl Default for Visibility {
 }
 
 impl Visibility {
-    /// Sixteenths of each texel that are above the horizon and not covered.
+    /// Returns, for each texel, the sixteenths that are above the horizon and not covered.
     pub fn shares(&self) -> &[u8] {
         &self.shares
     }
 
-    /// Looks from a place with this unit normal.
+    /// Computes the shares that are visible from a place with this unit normal, past `occluder`.
     pub fn look(&mut self, occluder: &Occluder, position: DVec3, normal: DVec3, quality: Quality) {
         let (origin, up) = (occluder.origin(position), normal.as_vec3());
         if quality == Quality::Sixteen {

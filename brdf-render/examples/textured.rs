@@ -3,10 +3,9 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use brdf_image::{DisplayImage, ToneMap};
+use brdf_image::{ToneMap, encode_png};
 use brdf_model::{Brdf, Preset, Rgb};
 use brdf_param::DirectionPair;
 use brdf_render::{
@@ -83,16 +82,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let view = TexturedView { tiles: 6.0, ..TexturedView::default() };
             let film = render_textured(&material, shape, light, &view);
             let picture = ToneMap::exposed_for(&film).apply(&film);
-            write_png(&folder.join(format!("{name}-{light_name}.png")), &picture)?;
+            std::fs::write(folder.join(format!("{name}-{light_name}.png")), encode_png(&picture)?)?;
         }
     }
-    Ok(())
-}
-
-fn write_png(path: &Path, picture: &DisplayImage) -> Result<(), Box<dyn Error>> {
-    let (width, height) = (u32::try_from(picture.width())?, u32::try_from(picture.height())?);
-    let mut encoder = png::Encoder::new(File::create(path)?, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.write_header()?.write_image_data(picture.bytes())?;
     Ok(())
 }

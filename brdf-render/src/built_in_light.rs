@@ -11,8 +11,8 @@ const WIDTH: usize = 128;
 const HEIGHT: usize = 64;
 
 impl Environment {
-    /// A clear sky over brown ground: horizon brighter than zenith, and a sun 6° across, 40° above
-    /// the horizon to the left, which gives about half of the light.
+    /// Returns a clear sky over brown ground. The horizon is brighter than the zenith, and a sun 6° across, 40°
+    /// above the horizon to the left, gives about half of the light.
     ///
     /// # Errors
     ///
@@ -32,8 +32,8 @@ impl Environment {
         })
     }
 
-    /// A dark room with three soft boxes: a large one above, a tall one to the right, a small bright
-    /// one in front to the left. Sharp edges against black show what a highlight's shape became.
+    /// Returns a dark room with three soft boxes: a large one above, a tall one to the right, a small bright one in
+    /// front to the left. Sharp edges against black show what a highlight's shape became.
     ///
     /// # Errors
     ///

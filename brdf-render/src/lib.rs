@@ -1,5 +1,11 @@
-//! Pictures of BRDFs and of materials that vary over a texture: spheres, planes, cylinders and meshes under a
-//! directional light or a lat-long environment.
+//! Pictures of BRDFs and of materials that vary over a texture.
+//!
+//! - [`render_sphere`] shows one BRDF on a sphere.
+//! - [`render_textured`] shows a [`SpatiallyVarying`] material on a [`Shape`]: a plane, a sphere or a cylinder.
+//! - [`render_mesh`] shows it on a mesh, with the shadows that the mesh casts.
+//!
+//! The [`Light`] is a [`DirectionalLight`] or an [`Environment`], a lat-long map of radiance; [`Environment::sky`] and
+//! [`Environment::studio`] need no file. Results are films of linear radiance, see [`brdf_image::Film`].
 //!
 //! ```
 //! use brdf_image::ToneMap;
@@ -29,3 +35,7 @@ pub use shape::Shape;
 pub use spatially_varying::{SpatiallyVarying, TexturePoint, Uniform};
 pub use sphere::{SphereView, render_sphere};
 pub use textured::{TexturedView, render_textured};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

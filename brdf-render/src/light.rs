@@ -7,7 +7,7 @@ use brdf_model::{DirectionSampler, Distribution1D, Rgb};
 use brdf_param::spherical_direction;
 use glam::DVec3;
 
-/// What lights a picture.
+/// The light of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Light {
     /// A distant point.
@@ -33,7 +33,7 @@ impl Default for DirectionalLight {
 }
 
 impl DirectionalLight {
-    /// Direction to the light in camera axes: x right, y up, z towards the camera.
+    /// Returns the unit direction to the light in camera axes: x right, y up, z towards the camera.
     pub fn direction(&self) -> DVec3 {
         spherical_direction(self.theta, self.phi)
     }
@@ -58,8 +58,20 @@ pub enum EnvironmentError {
     Image(#[from] ImageError),
 }
 
-/// A lat-long map of radiance: the top row is up (+y), the centre is −z, the light from the right
-/// (+x) stands in the right half (Debevec's high-resolution convention).
+/// A lat-long map of radiance from all directions. The top row is up (+y), the centre is −z, and light from the
+/// right (+x) stands in the right half (Debevec's high-resolution convention).
+///
+/// ```
+/// use brdf_render::Environment;
+/// use glam::DVec3;
+///
+/// let mut texels = vec![[0.0; 3]; 8 * 4];
+/// texels[..8].fill([2.0; 3]);
+/// let zenith = Environment::new(8, 4, texels)?;
+/// assert_eq!(zenith.radiance(DVec3::Y).g, 2.0);
+/// assert_eq!(zenith.radiance(DVec3::X).g, 0.0);
+/// # Ok::<(), brdf_render::EnvironmentError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     width: usize,
@@ -70,7 +82,7 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// An environment from its texels, row by row from the top.
+    /// Returns an environment made of its texels, row by row from the top.
     ///
     /// # Errors
     ///
@@ -105,17 +117,17 @@ impl Environment {
         Self::new(image.width, image.height, image.pixels)
     }
 
-    /// Radiance from a unit direction.
+    /// Returns the radiance from a unit direction.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         Rgb::from(self.texels[self.texel(direction)].map(f64::from))
     }
 
-    /// Returns the pdf, per steradian, of drawing a direction of this radiance.
+    /// Returns the pdf, sr⁻¹, with which [`Environment::draw`] draws a direction of this radiance.
     pub fn pdf_of(&self, radiance: Rgb) -> f64 {
         radiance.luminance() / self.distribution.total()
     }
 
-    /// Returns a direction with pdf proportional to luminance, from two numbers in [0, 1).
+    /// Returns a unit direction drawn with pdf proportional to luminance, from two numbers in [0, 1).
     pub fn draw(&self, u: f64, v: f64) -> DVec3 {
         let (index, across) = self.distribution.sample(u);
         let (row, column) = (index / self.width, index % self.width);
@@ -139,18 +151,18 @@ impl Environment {
         side(v, self.height) * self.width + side(u, self.width)
     }
 
-    /// Where a unit direction lies in any lat-long map, both from 0 to 1: across, and down.
+    /// Returns where a unit direction lies in any lat-long map, both from 0 to 1: across, and down.
     pub fn place(direction: DVec3) -> [f64; 2] {
         let u = direction.x.atan2(-direction.z) / TAU + 0.5;
         [u, direction.y.clamp(-1.0, 1.0).acos() / PI]
     }
 
-    /// Columns and rows.
+    /// Returns the number of columns and of rows.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.height]
     }
 
-    /// Radiance of all texels, row by row from the top.
+    /// Returns the radiance of all texels, row by row from the top.
     pub fn texels(&self) -> &[[f32; 3]] {
         &self.texels
     }

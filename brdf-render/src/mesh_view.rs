@@ -10,7 +10,7 @@ use crate::light::Light;
 use crate::spatially_varying::{SpatiallyVarying, TexturePoint};
 use crate::stage::{Hit, Stage, render_stage, wrapped};
 
-/// The picture of a mesh.
+/// Options of a picture of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshView {
     /// Pixels along each side.
@@ -34,8 +34,24 @@ const GROUND: f64 = 2.5;
 /// What the ground reflects.
 const GROUND_ALBEDO: f64 = 0.35;
 
-/// Renders a mesh. Lights stand in axes of the camera; the mesh shades itself, but no light is reflected
-/// twice.
+/// Renders a mesh under a light. Lights stand in axes of the camera. The mesh casts shadows on itself, but no light
+/// is reflected twice.
+///
+/// ```
+/// use brdf_mesh::{Camera, Mesh, Soup};
+/// use brdf_model::Preset;
+/// use brdf_render::{DirectionalLight, Light, MeshView, Uniform, render_mesh};
+/// use glam::DVec3;
+///
+/// let (torus, _) = Mesh::new(Soup::torus())?;
+/// let camera = Camera::around(torus.centre(), torus.radius(), DVec3::Y);
+/// let plastic = Preset::find("plastic").expect("a built-in material").brdf();
+/// let light = Light::Directional(DirectionalLight::default());
+/// let view = MeshView { size: 24, samples: 1, ..MeshView::default() };
+/// let film = render_mesh(&torus, &Uniform(&plastic), &light, &camera, &view);
+/// assert_eq!((film.width(), film.height()), (24, 24));
+/// # Ok::<(), brdf_mesh::MeshError>(())
+/// ```
 pub fn render_mesh(
     mesh: &Mesh,
     material: &dyn SpatiallyVarying,

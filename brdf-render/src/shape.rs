@@ -11,7 +11,7 @@ use crate::spatially_varying::{SpatiallyVarying, TexturePoint};
 use crate::sphere::RADIUS;
 use crate::stage::{Hit, Stage, wrapped};
 
-/// What a material is laid on.
+/// A shape that a material is laid on.
 ///
 /// A sphere carries the tile by longitude and latitude, a cylinder by angle and height: squares on
 /// the equator of the one, everywhere on the other.
@@ -36,7 +36,7 @@ const DISTANCE: f64 = 2.5;
 const LEAST_COSINE: f64 = 1e-4;
 
 impl Shape {
-    /// The tilt that shows it well, radians: 60° for a plane, none for a sphere, 15° for a cylinder.
+    /// Returns the tilt that shows it well, radians: 60° for a plane, none for a sphere, 15° for a cylinder.
     pub fn default_tilt(self) -> f64 {
         match self {
             Self::Plane => 60_f64.to_radians(),

@@ -10,9 +10,10 @@ use std::f64::consts::PI;
 use crate::half_lobe::HalfLobe;
 use crate::light::{Environment, Light};
 
-/// The picture of a sphere: orthographic, filling the frame but for a small margin. The tangent of
-/// the surface runs along the meridians' east, so anisotropic materials are brushed around the
-/// vertical axis.
+/// Options of a picture of a sphere.
+///
+/// The picture is orthographic, and the sphere fills the frame but for a small margin. The tangent of the surface
+/// runs along the meridians' east, so anisotropic materials are brushed around the vertical axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereView {
     /// Pixels along each side.
@@ -34,8 +35,21 @@ const MOST_UNKNOWN: f64 = 0.1;
 /// Points along each side of a pixel under a directional light.
 pub(crate) const SUPERSAMPLING: u32 = 3;
 
-/// Renders a sphere. The same view and light give the same random numbers for every material, so
-/// that differences show the materials.
+/// Renders a sphere of one material under a light.
+///
+/// The same view and light give the same random numbers for every material, so that differences show the materials.
+///
+/// ```
+/// use brdf_image::Pixel;
+/// use brdf_model::Lambert;
+/// use brdf_render::{DirectionalLight, Light, SphereView, render_sphere};
+///
+/// let white = Lambert { albedo: brdf_model::Rgb::splat(1.0) };
+/// let light = Light::Directional(DirectionalLight { theta: 0.0, phi: 0.0 });
+/// let film = render_sphere(&white, &light, &SphereView { size: 33, samples: 1 });
+/// let Pixel::Radiance(middle, _) = film.pixels()[33 * 16 + 16] else { panic!("the sphere") };
+/// assert!((middle.g - 1.0).abs() < 0.01, "a white diffuser that faces the light");
+/// ```
 pub fn render_sphere(brdf: &dyn Brdf, light: &Light, view: &SphereView) -> Film {
     let size = view.size.max(1);
     let pixels = (0..size)

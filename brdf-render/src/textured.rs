@@ -7,7 +7,7 @@ use crate::shape::{Scene, Shape};
 use crate::spatially_varying::SpatiallyVarying;
 use crate::stage::render_stage;
 
-/// The picture of a tiled material.
+/// Options of a picture of a tiled material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedView {
     /// Pixels in a row; a plane has fewer rows, as many as it fills.
@@ -27,7 +27,8 @@ impl Default for TexturedView {
     }
 }
 
-/// Renders a shape. Light from below a point's horizon gives nothing; nothing else casts shadows.
+/// Renders a shape with a tiled material under a light. Light from below a point's horizon gives nothing; nothing
+/// else casts shadows.
 ///
 /// Each pixel is the mean of 3 × 3 points, whose footprints are a third of the pixel's. The same
 /// view and light give the same random numbers for every material, so that differences show the

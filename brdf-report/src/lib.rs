@@ -1,1 +1,31 @@
-//! x
+//! Reports for people: folders of results with a self-contained page, figures, and notes as sentences.
+//!
+//! Libraries return numbers and typed notes; this crate turns them into pages, pictures and words. It writes nothing:
+//! [`factored_files`], [`separable_files`] and [`study_files`] return the files of a folder.
+
+mod error;
+mod factored;
+mod figures;
+mod files;
+mod notes;
+mod numbers;
+mod page;
+mod separable;
+mod separable_view;
+mod spheres;
+mod study;
+mod texture_view;
+
+pub use error::ReportError;
+pub use factored::{factored_files, kept_files};
+pub use figures::{
+    error_chart, factored_textures_plot, rank_error_plot, separable_textures_plot, spectrum_plot,
+};
+pub use files::ResultFile;
+pub use notes::fit_note;
+pub use numbers::{bytes, or_dash, percent, significant};
+pub use separable::separable_files;
+pub use separable_view::{Side, term_view};
+pub use spheres::line_up;
+pub use study::study_files;
+pub use texture_view::{MASKED_OUT, texture_view};

@@ -3,8 +3,8 @@
 use brdf_model::{Channels, Rgb};
 use brdf_separable::{HemisphereGrid, SeparableBrdf};
 
-use crate::display::{DisplayImage, srgb_bytes};
 use crate::texture_view::{MASKED_OUT, SIDE};
+use brdf_image::{DisplayImage, srgb_bytes};
 
 /// Which side of a sum of products.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub enum Side {
 }
 
 /// The absolute values of a term's texture on one side, each channel scaled so that its largest
-/// shows as white; rows upwards. Texels that are not sampled are yellow. Charts of polar angles alone
+/// shows as white; rows upwards. Texels that are not sampled are yellow. Grids of polar angles alone
 /// become a band.
 ///
 /// # Panics
@@ -24,7 +24,7 @@ pub enum Side {
 /// If the model has no such term.
 pub fn term_view(model: &SeparableBrdf, side: Side, term: usize) -> DisplayImage {
     assert!(term < model.rank(), "a term of the model");
-    let chart: HemisphereGrid = match side {
+    let grid: HemisphereGrid = match side {
         Side::First => model.layout().first,
         Side::Second => model.layout().second,
     };
@@ -37,9 +37,9 @@ pub fn term_view(model: &SeparableBrdf, side: Side, term: usize) -> DisplayImage
         };
         if is_grey { Rgb::splat(channel(0)) } else { Rgb::new(channel(0), channel(1), channel(2)) }
     };
-    let [columns, rows] = chart.size();
+    let [columns, rows] = grid.size();
     let mut shown: Vec<Option<Rgb>> = vec![None; columns * rows];
-    for node in chart.nodes() {
+    for node in grid.nodes() {
         shown[node.texel] = Some(value(node.texel));
     }
     let white = shown

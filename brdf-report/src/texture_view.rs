@@ -3,7 +3,7 @@
 use brdf_factor::Factor;
 use brdf_model::{Channels, Rgb};
 
-use crate::display::{DisplayImage, srgb_bytes};
+use brdf_image::{DisplayImage, srgb_bytes};
 
 /// The colour of texels outside the mask: the yellow of the thesis' figures.
 pub const MASKED_OUT: [u8; 3] = [230, 190, 40];

@@ -1,28 +1,28 @@
-//! What can go wrong in a separable factorization.
+//! The errors of separable factorizations.
 
-/// Errors of this crate.
+/// An error of this crate: parts that do not fit together, limits, or work that was stopped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SeparableError {
-    /// A chart cannot have this many texels.
+    /// A grid cannot have this many texels.
     #[error("resolution {resolution}; expected {min} to {max}")]
     Resolution {
-        /// Texels along a side.
+        /// Texels along a side, as given.
         resolution: usize,
-        /// Fewest.
+        /// Fewest texels allowed.
         min: usize,
-        /// Most.
+        /// Most texels allowed.
         max: usize,
     },
-    /// Charts that make no matrix.
+    /// Two grids make no matrix.
     #[error("{found}; expected {expected}")]
     Layout {
-        /// What is wrong.
+        /// What was found.
         found: &'static str,
-        /// What would do.
+        /// What is allowed there.
         expected: &'static str,
     },
-    /// The matrix and the work on it would not fit.
+    /// The matrix and the work on it would need more memory than allowed.
     #[error(
         "a matrix of {rows} × {columns} × {channels} needs {} MiB, more than the limit of {} MiB; \
          try a lower resolution",
@@ -30,71 +30,71 @@ pub enum SeparableError {
         limit >> 20
     )]
     Memory {
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         columns: usize,
-        /// Channels.
+        /// Number of channels.
         channels: usize,
-        /// Bytes it would take.
+        /// Number of bytes needed.
         needed: usize,
-        /// Bytes allowed.
+        /// Number of bytes allowed.
         limit: usize,
     },
     /// No cell of the matrix has data.
     #[error("no cell of the {rows} × {columns} matrix has data; try a larger grazing limit")]
     NoData {
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         columns: usize,
     },
-    /// A rank that the matrix cannot have.
+    /// The matrix cannot have this rank.
     #[error("rank {rank}; expected 1 to {max}, the smaller side of the {rows} × {columns} matrix")]
     Rank {
-        /// The rank asked for.
+        /// The rank given.
         rank: usize,
         /// Largest rank.
         max: usize,
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Columns.
+        /// Number of columns.
         columns: usize,
     },
     /// A decomposition of symmetric matrices was asked for another one.
     #[error("{found}; eigenpairs need {expected}")]
     NotSymmetric {
-        /// What is wrong.
+        /// What was found.
         found: &'static str,
-        /// What would do.
+        /// What is allowed there.
         expected: &'static str,
     },
     /// A decomposition of non-negative matrices was asked for one that has negative values.
     #[error("{count} of {cells} values are negative; {expected}")]
     Negative {
-        /// Negative values.
+        /// Number of negative values.
         count: usize,
-        /// Values in all.
+        /// Number of values in all.
         cells: usize,
-        /// What would do.
+        /// What is allowed there.
         expected: &'static str,
     },
     /// The textures of a model do not fit its layout.
     #[error("{found} values in the {side} textures; expected {expected}")]
     Texels {
-        /// Which side.
+        /// Name of the side.
         side: &'static str,
-        /// Values that are there.
+        /// Number of values given.
         found: usize,
-        /// Values that the layout asks for.
+        /// Number of values that the layout needs.
         expected: usize,
     },
     /// A dense decomposition of the linear algebra library failed.
     #[error("the dense {what} of a {size} × {size} matrix did not converge")]
     Dense {
-        /// Which one.
+        /// Name of the decomposition.
         what: &'static str,
-        /// Its size.
+        /// Size of the matrix.
         size: usize,
     },
     /// The work was stopped.

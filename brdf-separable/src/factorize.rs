@@ -1,4 +1,4 @@
-//! From a matrix to a model: one decomposition of several, truncated.
+//! Truncated decompositions of a matrix into a model.
 
 use brdf_job::Job;
 use faer::{Mat, MatRef};
@@ -14,45 +14,46 @@ use crate::{
     TopPairs, nonnegative_factors, power_iteration, top_eigenpairs, top_singular_triplets,
 };
 
-/// Which decomposition.
+/// The decompositions that a model can be made by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Decomposition {
-    /// Truncated singular value decomposition: the least squared error of its rank.
+    /// Truncated singular value decomposition, which has the least squared error of its rank.
     #[default]
     Svd,
-    /// Eigenpairs of largest magnitude of the symmetrized matrix: one set of textures for both
-    /// sides, and a sign. Wang, Tran and Luebke 2004.
+    /// Eigenpairs of largest magnitude of the symmetrized matrix: one set of textures for both sides, and a
+    /// sign for each term. Source: Wang, Tran and Luebke 2004.
     Eigen(EigenSolver),
-    /// Non-negative factors: nothing rings below 0.
+    /// Non-negative factors, so that no value is negative.
     Nmf,
-    /// One term, by norms of rows. Kautz and McCool 1999.
+    /// One term, by the norms of rows. Source: Kautz and McCool 1999.
     Normalized,
 }
 
-/// How eigenpairs are found.
+/// The methods by which eigenpairs are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum EigenSolver {
-    /// Block Krylov, stopped by residuals.
+    /// A block Krylov method that stops by residuals: [`top_eigenpairs`].
     #[default]
     Krylov,
-    /// The printed power iteration, which fails where eigenvalues of opposite sign are equal.
+    /// The power iteration printed by Wang, Tran and Luebke 2004, which fails where eigenvalues of opposite sign are equal.
     Power,
 }
 
-/// Options of a factorization.
+/// The options of a factorization.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeparableParams {
-    /// Which decomposition.
+    /// Decomposition to use.
     pub decomposition: Decomposition,
-    /// Number of terms; pairs of equal magnitude are completed beyond it.
+    /// Number of terms, ≥ 1. Where the last ones belong to a group of equal magnitude, the group is
+    /// completed.
     pub rank: usize,
-    /// One decomposition for all channels: scalar textures on the first side.
+    /// Whether all channels share one decomposition, with scalar textures on the first side.
     pub joint_rgb: bool,
-    /// Largest residual of a pair.
+    /// Largest residual of a pair, relative to its value.
     pub tolerance: f64,
 }
 
@@ -62,42 +63,65 @@ impl Default for SeparableParams {
     }
 }
 
-/// What was found of one channel, or of all together.
+/// The values and residuals of a decomposition of one channel, or of all channels together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChannelSpectrum {
     /// Singular values, eigenvalues with sign, or the norms of non-negative terms, of the weighted
     /// matrix.
     pub values: Vec<f64>,
-    /// ‖Mv − λv‖ / |λ| of each; none for decompositions that have no such measure.
+    /// Residual ‖Mv − λv‖ / |λ| of each value; empty for decompositions that have no such measure.
     pub residuals: Vec<f64>,
-    /// Terms beyond the rank that complete a group of equal magnitude.
+    /// Number of terms beyond the rank that complete a group of equal magnitude.
     pub added: usize,
-    /// A group goes on beyond the last term.
+    /// Whether a group goes on beyond the last term.
     pub cuts_a_group: bool,
-    /// The iteration met its tolerance.
+    /// Whether the iteration met its tolerance.
     pub converged: bool,
 }
 
-/// A model and how it came about.
+/// A fitted model, with the decomposition and the errors of its fit.
 #[derive(Clone, Debug)]
 pub struct SeparableFit {
     /// The model; channels with fewer terms than others have zeros.
     pub model: SeparableBrdf,
-    /// What was found of each channel; one entry where they were taken together.
+    /// Decomposition of each channel; one entry where all were taken together.
     pub spectra: Vec<ChannelSpectrum>,
-    /// Errors over the matrix: of every rank for decompositions whose leading terms are a model,
-    /// else of the last.
+    /// Errors over the matrix: for every rank where the leading terms of the decomposition make a model, else
+    /// for the last rank alone.
     pub errors: Vec<RankError>,
 }
 
-/// Decomposes a matrix.
+/// Returns the model of the leading terms of a matrix's decomposition.
+///
+/// The `job` is told of progress and can stop the work.
+///
+/// ```
+/// use brdf_job::Job;
+/// use brdf_model::Preset;
+/// use brdf_param::{HemisphereMap, Parametrization};
+/// use brdf_separable::{
+///     BrdfMatrix, Decomposition, HemisphereGrid, Layout, MatrixParams, SeparableParams,
+///     factorize_matrix,
+/// };
+///
+/// let plastic = Preset::find("plastic").expect("a preset").brdf();
+/// let grid = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 8 };
+/// let layout = Layout::new(Parametrization::Standard, grid, grid);
+/// let matrix = BrdfMatrix::sample(&plastic, &layout, &MatrixParams::default())?;
+/// let params = SeparableParams { decomposition: Decomposition::Svd, rank: 4, ..Default::default() };
+/// let fit = factorize_matrix(&matrix, &params, &Job::new())?;
+/// let errors: Vec<f64> = fit.errors.iter().map(|error| error.relative_residual).collect();
+/// assert!(errors.windows(2).all(|pair| pair[1] <= pair[0]), "more terms, less error");
+/// # Ok::<(), brdf_separable::SeparableError>(())
+/// ```
 ///
 /// # Errors
 ///
-/// [`SeparableError::Rank`]; [`SeparableError::NotSymmetric`] for eigenpairs of a layout whose
-/// sides differ, or of all channels together; [`SeparableError::Negative`];
-/// [`SeparableError::Dense`]; [`SeparableError::Stopped`].
+/// [`SeparableError::Rank`] for a rank that the matrix cannot have; [`SeparableError::NotSymmetric`] for eigenpairs of a layout whose
+/// sides differ, or of all channels together; [`SeparableError::Negative`] for non-negative
+/// factors of a matrix with negative values; [`SeparableError::Dense`] where a dense decomposition fails;
+/// [`SeparableError::Stopped`] where the job is stopped.
 pub fn factorize_matrix(
     matrix: &BrdfMatrix,
     params: &SeparableParams,

@@ -1,4 +1,4 @@
-//! Grids of texels over the unit hemisphere: where a map is sampled, and how it is read between.
+//! Grids of texels over the unit hemisphere: their nodes, and interpolation between texels.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,47 +10,58 @@ use serde::{Deserialize, Serialize};
 use crate::SeparableError;
 
 /// A grid of texels over the hemisphere, or over polar angles alone.
+///
+/// ```
+/// use brdf_param::HemisphereMap;
+/// use brdf_separable::HemisphereGrid;
+///
+/// let grid = HemisphereGrid::Plane { map: HemisphereMap::Parabolic, resolution: 32 };
+/// assert_eq!(grid.texels(), 32 * 32);
+/// // The weights of the nodes integrate the cosine over the hemisphere, to π.
+/// let sum: f64 = grid.nodes().iter().map(|node| node.weight).sum();
+/// assert!((sum / std::f64::consts::PI - 1.0).abs() < 0.02);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "chart", rename_all = "kebab-case")]
 pub enum HemisphereGrid {
-    /// `resolution`² texels over the square of a map, at (i + ½) / resolution. Of a disc only those
-    /// whose centre lies inside are sampled. The first axis of polar and spherical maps is the
+    /// `resolution`² texels over the square of a map, at (i + ½) / resolution. Where the domain of the map is
+    /// a disc, only texels whose centre lies inside it are sampled. The first axis of polar and spherical maps is the
     /// azimuth and wraps around.
     Plane {
-        /// The map.
+        /// The map from the hemisphere to the plane.
         map: HemisphereMap,
-        /// Texels along each side.
+        /// Number of texels along each side.
         resolution: usize,
     },
-    /// `resolution` texels along the radius of a map: the polar angle alone.
+    /// `resolution` texels along the radius of a map, for the polar angle alone.
     Radius {
-        /// The map.
+        /// The map from the hemisphere to the plane.
         map: HemisphereMap,
-        /// Texels.
+        /// Number of texels.
         resolution: usize,
     },
-    /// theta_h as the MERL grid has it: 90 nodes, quadratic.
+    /// The theta_h axis of the MERL grid: 90 nodes with quadratic spacing.
     MerlThetaH {
-        /// Where in its cell a node stands.
+        /// The place of a node in its cell.
         nodes: MerlNodes,
     },
-    /// theta_d and phi_d as the MERL grid has them: 90 × 180 nodes of one degree, phi_d in [0, π).
+    /// The theta_d and phi_d axes of the MERL grid: 90 × 180 nodes one degree apart, phi_d in [0, π).
     MerlThetaDPhiD {
-        /// Where in its cell a node stands.
+        /// The place of a node in its cell.
         nodes: MerlNodes,
     },
 }
 
-/// A texel that is sampled.
+/// A node of a grid: a texel that is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
     /// Index of the texel, row by row.
     pub texel: usize,
-    /// Its direction.
+    /// Unit direction of the texel.
     pub direction: DVec3,
-    /// What it stands for of the integral of cosθ dω; 1 on the MERL grid, which literature leaves
-    /// unweighted.
+    /// Weight of the node in the integral of cosθ dω; 1 on the MERL grid, which the literature does not
+    /// weight.
     pub weight: f64,
 }
 
@@ -61,11 +72,11 @@ pub(crate) struct Taps {
     pub(crate) weights: [f32; 4],
 }
 
-/// Texels along a side that a chart may have.
+/// Texels along a side that a grid may have.
 const RESOLUTIONS: std::ops::RangeInclusive<usize> = 2..=1024;
 
 impl HemisphereGrid {
-    /// Whether the resolution can be used.
+    /// Checks that the resolution can be used.
     ///
     /// # Errors
     ///
@@ -82,7 +93,7 @@ impl HemisphereGrid {
         }
     }
 
-    /// Columns and rows of texels.
+    /// Returns the numbers of columns and of rows of texels.
     pub fn size(&self) -> [usize; 2] {
         match *self {
             Self::Plane { resolution, .. } => [resolution, resolution],
@@ -92,18 +103,18 @@ impl HemisphereGrid {
         }
     }
 
-    /// Number of texels.
+    /// Returns the number of texels.
     pub fn texels(&self) -> usize {
         let [columns, rows] = self.size();
         columns * rows
     }
 
-    /// The chart holds polar angles alone.
+    /// Returns whether the grid holds polar angles alone.
     pub fn is_radial(&self) -> bool {
         matches!(self, Self::Radius { .. } | Self::MerlThetaH { .. })
     }
 
-    /// The texels that are sampled, in order.
+    /// Returns the texels that are sampled, in order of their index.
     pub fn nodes(&self) -> Vec<Node> {
         let [columns, rows] = self.size();
         (0..rows)

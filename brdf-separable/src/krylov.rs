@@ -1,10 +1,10 @@
-//! The eigenpairs of largest magnitude of a symmetric matrix, and the largest singular triplets of
-//! any: a block Krylov method with Rayleigh–Ritz projection, stopped by residuals.
+//! The eigenpairs of largest magnitude of a symmetric matrix, and the largest singular triplets of any
+//! matrix, by a block Krylov method with Rayleigh–Ritz projection that stops by residuals.
 //!
-//! The power iteration that Wang, Tran and Luebke 2004 print stops when an eigenvalue settles. Two
-//! eigenvalues of equal size and opposite sign never let a vector settle, yet the quotient may; a
-//! residual cannot be fooled. A block also finds both vectors of a pair of equal eigenvalues, which
-//! isotropic materials are full of.
+//! The power iteration that Wang, Tran and Luebke 2004 print stops when the Rayleigh quotient settles.
+//! With two eigenvalues of equal size and opposite sign the vector never settles, yet the quotient may. A
+//! residual does not have that flaw. A block also finds both vectors of a pair of equal eigenvalues;
+//! isotropic materials have many such pairs.
 
 use faer::{Mat, MatRef, Side};
 use rand_core::{Rng, SeedableRng};
@@ -13,17 +13,17 @@ use rand_xoshiro::SplitMix64;
 use crate::SeparableError;
 use crate::product::{product, times, transposed_product};
 
-/// Options of the method.
+/// The options of the block Krylov method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KrylovParams {
-    /// Pairs wanted.
+    /// Number of pairs wanted, ≥ 1.
     pub rank: usize,
     /// Largest residual ‖Mv − λv‖ / |λ|.
     pub tolerance: f64,
-    /// Pairs whose magnitudes differ by less than this share are taken together, so that no choice
-    /// among vectors of equal right is made by rounding. 0 cuts wherever the rank says.
+    /// Relative difference of magnitudes below which pairs are taken together, so that rounding does not
+    /// choose among equal vectors. With 0 the result is always cut at the rank.
     pub pair_gap: f64,
-    /// Products with the matrix after which the best so far is returned.
+    /// Largest number of products with the matrix; after that the best pairs so far are returned.
     pub max_products: usize,
 }
 
@@ -33,24 +33,24 @@ impl Default for KrylovParams {
     }
 }
 
-/// Pairs by falling magnitude.
+/// Eigenpairs or singular triplets, by falling magnitude.
 #[derive(Clone, Debug)]
 pub struct TopPairs {
     /// Eigenvalues with sign, or singular values.
     pub values: Vec<f64>,
-    /// Unit vectors of the rows' side, one a column. Their entry of largest magnitude is positive.
+    /// Unit vectors of the side of the rows, one in each column. Their entry of largest magnitude is positive.
     pub left: Mat<f64>,
-    /// Unit vectors of the columns' side; for a symmetric matrix the same as `left`.
+    /// Unit vectors of the side of the columns, one in each column; for a symmetric matrix the same as `left`.
     pub right: Mat<f64>,
-    /// ‖Mv − λv‖ / |λ| of each pair.
+    /// Residual ‖Mv − λv‖ / |λ| of each pair.
     pub residuals: Vec<f64>,
-    /// Pairs beyond the rank that complete a group of equal magnitude.
+    /// Number of pairs beyond the rank that complete a group of equal magnitude.
     pub added: usize,
-    /// The group that the last pair belongs to goes on beyond what was looked for.
+    /// Whether the group of the last pair goes on beyond the pairs that were looked for.
     pub cuts_a_group: bool,
-    /// All residuals are below the tolerance.
+    /// Whether all residuals are below the tolerance.
     pub converged: bool,
-    /// Products of the matrix with a column.
+    /// Number of products of the matrix with a column.
     pub products: usize,
 }
 
@@ -67,13 +67,26 @@ const DENSE: usize = 160;
 /// Seed of the first block.
 const SEED: u64 = 0x6272_6466;
 
-/// The eigenpairs of largest |λ| of a symmetric matrix.
+/// Returns the eigenpairs of largest |λ| of a symmetric matrix.
 ///
-/// Fewer than asked for come back where the rest of the matrix is zero to rounding.
+/// There are fewer than asked for where the rest of the matrix is zero to rounding.
+///
+/// ```
+/// use brdf_separable::{KrylovParams, top_eigenpairs};
+/// use faer::Mat;
+///
+/// // Eigenvalues 1, −2, 3, … on the diagonal.
+/// let value = |i: usize| if i % 2 == 0 { i as f64 + 1.0 } else { -(i as f64) - 1.0 };
+/// let matrix = Mat::from_fn(50, 50, |i, j| if i == j { value(i) } else { 0.0 });
+/// let pairs = top_eigenpairs(matrix.as_ref(), &KrylovParams { rank: 2, ..Default::default() })?;
+/// assert!((pairs.values[0] + 50.0).abs() < 1e-6 && (pairs.values[1] - 49.0).abs() < 1e-6);
+/// # Ok::<(), brdf_separable::SeparableError>(())
+/// ```
 ///
 /// # Errors
 ///
-/// [`SeparableError::Rank`] unless the rank is 1 to the size; [`SeparableError::Dense`].
+/// [`SeparableError::Rank`] unless the rank is 1 to the size; [`SeparableError::Dense`] where a dense
+/// decomposition fails.
 pub fn top_eigenpairs(
     matrix: MatRef<'_, f64>,
     params: &KrylovParams,
@@ -98,7 +111,9 @@ pub fn top_eigenpairs(
     Ok(pairs)
 }
 
-/// The largest singular triplets of a matrix. Residuals are ‖Mᵀu − σv‖ / σ; Mv − σu is zero.
+/// Returns the largest singular triplets of a matrix.
+///
+/// Residuals are ‖Mᵀu − σv‖ / σ; Mv − σu is zero.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! A BRDF sampled into a matrix.
+//! Matrices of BRDFs sampled on two grids.
 
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::{DirectionPair, azimuth, polar_angle, spherical_direction};
@@ -10,34 +10,34 @@ use serde::{Deserialize, Serialize};
 use crate::hemisphere_grid::Node;
 use crate::{Layout, SeparableBrdf, SeparableError, ValueTransform};
 
-/// What stands in cells without data: pairs below the horizon or beyond the grazing limit, holes of
-/// a measurement.
+/// The value of cells without data: pairs below the horizon or beyond the grazing limit, and holes of a
+/// measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Fill {
-    /// The value of the nearest pair with data, found by pulling directions back to the grazing
-    /// limit and then both points towards the pole: a zero beside a highlight would cost ranks.
+    /// The value of the nearest pair with data. It is found by pulling directions back to the grazing limit,
+    /// and then both points towards the pole. A zero beside a highlight would need more terms.
     #[default]
     Edge,
-    /// f = 0.
+    /// The value f = 0.
     Zero,
 }
 
-/// How a matrix is sampled.
+/// The options of sampling a matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatrixParams {
-    /// Channels to sample.
+    /// Channels that are sampled.
     pub channels: Channels,
     /// Grazing limit in radians, up to π/2: cells with a direction beyond it have no data.
     pub theta_max: f64,
-    /// What stands in cells without data.
+    /// Value of cells without data.
     pub fill: Fill,
-    /// What is factored of each channel; a missing channel's map is linear.
+    /// Value map of each channel; the maps of channels that are not sampled are not used.
     pub maps: [ValueTransform; 3],
-    /// p of the weights W M W, W = diag(cosᵖθ), beside the quadrature of the charts.
+    /// Exponent p of the weights W M W, W = diag(cosᵖθ), besides the quadrature weights of the grids.
     pub weight_power: f64,
-    /// Most bytes for the matrix and the work on it.
+    /// Largest number of bytes for the matrix and the work on it.
     pub memory_limit: usize,
 }
 
@@ -54,26 +54,41 @@ impl Default for MatrixParams {
     }
 }
 
-/// What became of the cells of a matrix.
+/// The numbers of cells of a matrix, by the origin of their values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CellCounts {
-    /// Cells in all.
+    /// Number of cells in all.
     pub cells: usize,
-    /// Cells with data of their own.
+    /// Number of cells with data of their own.
     pub valid: usize,
-    /// Cells that took the value of the nearest pair with data.
+    /// Number of cells that took the value of the nearest pair with data.
     pub filled: usize,
-    /// Cells of value 0, since nothing near has data or that was asked for.
+    /// Number of cells of value 0, because nothing near has data or because [`Fill::Zero`] was asked for.
     pub zero: usize,
-    /// Rows and columns without a cell that has data of its own.
+    /// Number of rows and columns without a cell that has data of its own.
     pub unknown_lines: usize,
-    /// Cells where the material gave a negative channel, which was set to 0.
+    /// Number of cells where the material gave a negative channel, which was set to 0.
     pub clamped: usize,
 }
 
-/// A BRDF on the nodes of two charts, one matrix a channel: rows are nodes of the first chart,
-/// columns those of the second.
+/// A BRDF sampled on the nodes of two grids, as one matrix for each channel.
+///
+/// Rows are nodes of the first grid, columns those of the second.
+///
+/// ```
+/// use brdf_model::Preset;
+/// use brdf_param::{HemisphereMap, Parametrization};
+/// use brdf_separable::{BrdfMatrix, HemisphereGrid, Layout, MatrixParams};
+///
+/// let plastic = Preset::find("plastic").expect("a preset").brdf();
+/// let grid = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 8 };
+/// let layout = Layout::new(Parametrization::Standard, grid, grid);
+/// let matrix = BrdfMatrix::sample(&plastic, &layout, &MatrixParams::default())?;
+/// assert_eq!(matrix.channel(0).nrows(), matrix.rows().len());
+/// assert!(matrix.asymmetry().is_some_and(|ratio| ratio < 1e-6), "plastic is reciprocal");
+/// # Ok::<(), brdf_separable::SeparableError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct BrdfMatrix {
     layout: Layout,
@@ -89,15 +104,15 @@ pub struct BrdfMatrix {
     counts: CellCounts,
 }
 
-/// Errors of a rank over the cells that have data.
+/// The errors of a model of a given rank over the cells of its matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RankError {
     /// Number of terms.
     pub rank: usize,
-    /// ‖M − M̂‖ / ‖M‖ of the mapped and weighted matrix, all cells.
+    /// Relative residual ‖M − M̂‖ / ‖M‖ of the mapped and weighted matrix, over all cells.
     pub relative_residual: f64,
-    /// √ mean of (ln(1 + f cosθi) − ln(1 + max(f̂, 0) cosθi))², unweighted, cells with data.
+    /// Root of the mean of (ln(1 + f cosθi) − ln(1 + max(f̂, 0) cosθi))², unweighted, over cells with data.
     pub log_cosine_rms: f64,
 }
 
@@ -105,12 +120,13 @@ pub struct RankError {
 const PULL_STEPS: u32 = 16;
 
 impl BrdfMatrix {
-    /// Samples a BRDF.
+    /// Returns the matrix of a BRDF sampled on a layout.
     ///
     /// # Errors
     ///
     /// [`SeparableError::Layout`] and [`SeparableError::Resolution`] for layouts that make no
-    /// matrix; [`SeparableError::Memory`]; [`SeparableError::NoData`].
+    /// matrix; [`SeparableError::Memory`] where more than the limit is needed;
+    /// [`SeparableError::NoData`] where no cell has data.
     pub fn sample(
         brdf: &dyn Brdf,
         layout: &Layout,
@@ -180,22 +196,22 @@ impl BrdfMatrix {
         })
     }
 
-    /// The two sides.
+    /// Returns the layout: the two sides.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Nodes of the first chart.
+    /// Returns the nodes of the first grid.
     pub fn rows(&self) -> &[Node] {
         &self.rows
     }
 
-    /// Nodes of the second chart.
+    /// Returns the nodes of the second grid.
     pub fn columns(&self) -> &[Node] {
         &self.columns
     }
 
-    /// Mapped values of a channel, without weights.
+    /// Returns the mapped values of a channel, without weights.
     pub fn channel(&self, channel: usize) -> Mat<f64> {
         self.weighted(channel, |_, _| 1.0)
     }
@@ -213,17 +229,17 @@ impl BrdfMatrix {
         })
     }
 
-    /// What is factored of each channel.
+    /// Returns the value map of each channel.
     pub fn maps(&self) -> &[ValueTransform] {
         &self.maps
     }
 
-    /// What became of the cells.
+    /// Returns the numbers of cells by the origin of their values.
     pub fn counts(&self) -> CellCounts {
         self.counts
     }
 
-    /// ‖M − Mᵀ‖ / ‖M‖, the largest over channels; none where the two sides differ.
+    /// Returns ‖M − Mᵀ‖ / ‖M‖, the largest over channels, or `None` where the two sides differ.
     pub fn asymmetry(&self) -> Option<f64> {
         let size = self.rows.len();
         let of = |values: &Vec<f32>| {
@@ -239,7 +255,7 @@ impl BrdfMatrix {
         &self.scales
     }
 
-    /// (M + Mᵀ)/2, what a reciprocal material would have given.
+    /// Returns the symmetric matrix (M + Mᵀ)/2, which belongs to a reciprocal material.
     ///
     /// # Errors
     ///
@@ -261,7 +277,7 @@ impl BrdfMatrix {
         Ok(self)
     }
 
-    /// The errors of a model made of this matrix, at every rank given, largest last.
+    /// Returns the errors of a model of this matrix, cut to each of the ranks given; the largest must be last.
     pub fn rank_errors(&self, model: &SeparableBrdf, ranks: &[usize]) -> Vec<RankError> {
         let most = ranks.iter().copied().max().unwrap_or(0);
         let sums: Vec<Sums> = (0..self.columns.len())

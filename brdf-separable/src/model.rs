@@ -1,4 +1,4 @@
-//! A sum of products of two textures, as a BRDF.
+//! BRDFs as sums of products of two textures.
 
 use brdf_model::{Brdf, Channels, Rgb};
 use brdf_param::DirectionPair;
@@ -6,11 +6,27 @@ use brdf_param::DirectionPair;
 use crate::hemisphere_grid::Taps;
 use crate::{Layout, SeparableError, ValueTransform};
 
-/// f(wi, wo) ≈ Σ_k g_k(a) h_k(b), looked up bilinearly in f32 textures, then taken back through the
-/// value map of each channel.
+/// A BRDF as a sum of products of textures, f(wi, wo) ≈ Σ_k g_k(a) h_k(b).
 ///
-/// Values may come out negative: sums of products with signs ring. [`Brdf::eval`] clamps at 0,
-/// [`Brdf::eval_unclamped`] does not.
+/// Textures are in f32 and read bilinearly; the sum is brought back through the value map of each channel.
+/// Sums of products with signs can be negative: [`Brdf::eval`] clamps at 0, [`Brdf::eval_unclamped`] does
+/// not.
+///
+/// ```
+/// use brdf_model::Brdf;
+/// use brdf_param::{DirectionPair, HemisphereMap, Parametrization};
+/// use brdf_separable::{HemisphereGrid, Layout, SecondSide, SeparableBrdf, ValueTransform};
+///
+/// // One term of constant textures: f = 0.5 · 0.4.
+/// let grid = HemisphereGrid::Plane { map: HemisphereMap::Parabolic, resolution: 4 };
+/// let layout = Layout::new(Parametrization::Standard, grid, grid);
+/// let second = SecondSide::Textures(vec![0.4; 16]);
+/// let model =
+///     SeparableBrdf::new(layout, vec![ValueTransform::Linear], 1, vec![0.5; 16], second)?;
+/// assert!((model.eval(&DirectionPair::from_angles(0.2, 0.0, 0.9, 1.0)).g - 0.2).abs() < 1e-6);
+/// assert_eq!(model.payload_bytes(), 2 * 16 * 4);
+/// # Ok::<(), brdf_separable::SeparableError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeparableBrdf {
     layout: Layout,
@@ -32,13 +48,15 @@ pub struct SeparableBrdf {
 pub enum SecondSide {
     /// Textures of its own, `[texel, term, channel]`.
     Textures(Vec<f32>),
-    /// The first side's, each times a sign, `[term, channel]`: eigenpairs of a symmetric matrix.
+    /// The textures of the first side, each times a sign, `[term, channel]`: eigenpairs of a symmetric
+    /// matrix.
     Signs(Vec<f32>),
 }
 
 impl SeparableBrdf {
-    /// A model from its textures, `[texel, term, channel]` with `first_channels` of 1 (scalar) or as
-    /// many as there are maps.
+    /// Returns the model of these textures, `[texel, term, channel]`.
+    ///
+    /// The first textures have one channel (scalar) or as many as there are maps.
     ///
     /// # Errors
     ///
@@ -88,52 +106,52 @@ impl SeparableBrdf {
         Ok(Self { layout, maps, rank, first_channels, first, second, signs })
     }
 
-    /// The two sides.
+    /// Returns the layout: the two sides.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The value map of each channel.
+    /// Returns the value map of each channel.
     pub fn maps(&self) -> &[ValueTransform] {
         &self.maps
     }
 
-    /// Number of terms.
+    /// Returns the number of terms.
     pub fn rank(&self) -> usize {
         self.rank
     }
 
-    /// One channel or three.
+    /// Returns the channels of the model: one or three.
     pub fn channels(&self) -> Channels {
         if self.maps.len() == 1 { Channels::Luminance } else { Channels::Rgb }
     }
 
-    /// Channels of the first textures: 1 where they are scalar.
+    /// Returns the number of channels of the first textures; 1 where they are scalar.
     pub fn first_channels(&self) -> usize {
         self.first_channels
     }
 
-    /// Textures of the first side, `[texel, term, channel]`.
+    /// Returns the textures of the first side, `[texel, term, channel]`.
     pub fn first(&self) -> &[f32] {
         &self.first
     }
 
-    /// Textures of the second side, `[texel, term, channel]`, if it has its own.
+    /// Returns the textures of the second side, `[texel, term, channel]`, if it has its own.
     pub fn second(&self) -> Option<&[f32]> {
         (!self.second.is_empty()).then_some(&self.second)
     }
 
-    /// Signs of the second side, `[term, channel]`, where it shares the first one's textures.
+    /// Returns the signs of the second side, `[term, channel]`, where it shares the first one's textures.
     pub fn signs(&self) -> Option<&[f32]> {
         self.second.is_empty().then_some(&self.signs)
     }
 
-    /// Bytes of the textures as stored.
+    /// Returns the number of bytes of the textures as stored.
     pub fn payload_bytes(&self) -> usize {
         4 * (self.first.len() + self.second.len())
     }
 
-    /// The model of the first `rank` terms.
+    /// Returns the model of the first `rank` terms.
     ///
     /// # Errors
     ///
@@ -162,13 +180,13 @@ impl SeparableBrdf {
         })
     }
 
-    /// A texel of the first side's texture of a term.
+    /// Returns the value of a texel of a term's first texture.
     pub fn first_at(&self, texel: usize, term: usize, channel: usize) -> f64 {
         let channels = self.first_channels;
         self.first[(texel * self.rank + term) * channels + channel.min(channels - 1)].into()
     }
 
-    /// A texel of the second side's texture of a term.
+    /// Returns the value of a texel of a term's second texture.
     pub fn second_at(&self, texel: usize, term: usize, channel: usize) -> f64 {
         let channels = self.maps.len();
         let sign = f64::from(self.signs[term * channels + channel]);
@@ -181,8 +199,8 @@ impl SeparableBrdf {
         self.first_at(first, term, channel) * self.second_at(second, term, channel)
     }
 
-    /// The mapped value of every rank, for every channel of a pair: `visit(rank, values)` is called
-    /// with the sum of the first 1, 2, … terms.
+    /// Calls `visit(rank, values)` for a pair with the sum of its first 1, 2, … terms: the mapped value of
+    /// every rank, for every channel.
     pub fn partial_sums(&self, pair: &DirectionPair, mut visit: impl FnMut(usize, Rgb)) {
         if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             (1..=self.rank).for_each(|rank| visit(rank, Rgb::BLACK));

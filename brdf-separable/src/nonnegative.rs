@@ -3,8 +3,8 @@
 //!
 //! Sources: A. Cichocki and A.-H. Phan, "Fast Local Algorithms for Large Scale Nonnegative Matrix and
 //! Tensor Factorizations", 2009; N. Gillis and F. Glineur, "Accelerated Multiplicative Updates and
-//! Hierarchical ALS Algorithms for Nonnegative Matrix Factorization", 2012. Start: C. Boutsidis and E. Gallopoulos, "SVD
-//! based initialization", 2008, whose zeros are lifted so that no entry is stuck.
+//! Hierarchical ALS Algorithms for Nonnegative Matrix Factorization", 2012. The start is that of C. Boutsidis and E. Gallopoulos,
+//! "SVD based initialization", 2008, with its zeros raised so that no entry is stuck.
 
 use brdf_job::Job;
 use faer::{Mat, MatRef};
@@ -12,14 +12,14 @@ use faer::{Mat, MatRef};
 use crate::product::{product, times, transposed_product};
 use crate::{KrylovParams, SeparableError, top_singular_triplets};
 
-/// Options of the iteration.
+/// The options of the non-negative iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NonnegativeParams {
     /// Number of terms.
     pub rank: usize,
-    /// Sweeps over all terms at most.
+    /// Largest number of sweeps over all terms.
     pub sweeps: usize,
-    /// Stops when the squared residual falls by less than this share in 20 sweeps.
+    /// Share by which the squared residual must fall in 20 sweeps; with less the iteration stops.
     pub tolerance: f64,
 }
 
@@ -37,13 +37,27 @@ const CHECK_EVERY: usize = 20;
 /// What zeros of the start are lifted to, relative to the mean of the term.
 const LIFT: f64 = 0.05;
 
-/// W (rows × rank) and H (columns × rank) with M ≈ W Hᵀ, neither with a negative entry, and the
-/// number of sweeps. Terms are ordered by falling ‖w‖‖h‖, which both sides share equally.
+/// Returns W (rows × rank) and H (columns × rank) with M ≈ W Hᵀ, neither with a negative entry, and the
+/// number of sweeps.
+///
+/// Terms are ordered by falling ‖w‖‖h‖; the two vectors of a term have equal norms.
+///
+/// ```
+/// use brdf_job::Job;
+/// use brdf_separable::{NonnegativeParams, nonnegative_factors};
+/// use faer::Mat;
+///
+/// let matrix = Mat::from_fn(6, 5, |i, j| (i + 1) as f64 * (j + 2) as f64);
+/// let params = NonnegativeParams { rank: 1, ..NonnegativeParams::default() };
+/// let (w, h, _) = nonnegative_factors(matrix.as_ref(), &params, &Job::new())?;
+/// assert!((w[(3, 0)] * h[(2, 0)] - 16.0).abs() < 1e-6);
+/// # Ok::<(), brdf_separable::SeparableError>(())
+/// ```
 ///
 /// # Errors
 ///
-/// [`SeparableError::Negative`] for a matrix with negative entries; [`SeparableError::Rank`];
-/// [`SeparableError::Stopped`].
+/// [`SeparableError::Negative`] for a matrix with negative entries; [`SeparableError::Rank`] for a rank that
+/// it cannot have; [`SeparableError::Stopped`] where the job is stopped.
 pub fn nonnegative_factors(
     matrix: MatRef<'_, f64>,
     params: &NonnegativeParams,

@@ -1,8 +1,8 @@
 //! The power iteration as Wang, Tran and Luebke 2004 print it, for comparison only.
 //!
-//! It stops when the Rayleigh quotient settles. Where two eigenvalues of equal size and opposite
-//! sign lead, the iterate swings between two vectors, neither of them an eigenvector, and the
-//! quotient settles on a number that is no eigenvalue; the wrong component is then subtracted.
+//! It stops when the Rayleigh quotient settles. Where the two leading eigenvalues have equal size and
+//! opposite sign, the iterate swings between two vectors that are no eigenvectors, and the quotient
+//! settles on a number that is no eigenvalue. The wrong component is then subtracted.
 
 use faer::{Mat, MatRef};
 use rand_core::SeedableRng;
@@ -11,16 +11,16 @@ use rand_xoshiro::SplitMix64;
 use crate::krylov::random_block;
 use crate::product::transposed_product;
 
-/// What one loop of the iteration ended with.
+/// The quotient and the vector that one loop of the power iteration ended with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerPair {
-    /// The Rayleigh quotient.
+    /// The Rayleigh quotient λ.
     pub value: f64,
-    /// The unit vector.
+    /// The unit vector v.
     pub vector: Vec<f64>,
-    /// ‖Mv − λv‖ / |λ| with the matrix that was left: not what stops the iteration.
+    /// Residual ‖Mv − λv‖ / |λ|, with M what was left of the matrix; the iteration does not stop by it.
     pub residual: f64,
-    /// Products with the matrix.
+    /// Number of products with the matrix.
     pub iterations: usize,
 }
 
@@ -28,7 +28,7 @@ pub struct PowerPair {
 const SETTLED: f64 = 1e-6;
 const MOST_ITERATIONS: usize = 5_000;
 
-/// The first `rank` pairs by power iteration with deflation, from seeded random vectors.
+/// Returns the first `rank` pairs by power iteration with deflation, from seeded random vectors.
 pub fn power_iteration(matrix: MatRef<'_, f64>, rank: usize, seed: u64) -> Vec<PowerPair> {
     let mut rest = matrix.to_owned();
     let mut rng = SplitMix64::seed_from_u64(seed);

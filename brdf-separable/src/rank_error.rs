@@ -1,20 +1,21 @@
-//! The error of a model's leading terms, for every number of them.
+//! The errors of a model's leading terms, for every number of them.
 
 use brdf_model::{Brdf, cosine_rms_pairs};
 
 use crate::SeparableBrdf;
 
-/// Cosine-weighted RMS of a model cut after a term, sr⁻¹, as `brdf_model::cosine_rms` defines it.
+/// The cosine-weighted RMS errors of a model cut after a term, in sr⁻¹, as in [`brdf_model::cosine_rms`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RankCosineRms {
-    /// Over whole hemispheres.
+    /// Error over whole hemispheres.
     pub absolute: f64,
-    /// Over pairs with both directions within 80° of the normal.
+    /// Error over pairs with both directions within 80° of the normal.
     pub within_80: f64,
 }
 
-/// The errors of the first 1, 2, … terms over the pairs of a seed, in one pass; RGB, f̂ clamped at 0.
-/// The reference must have data everywhere.
+/// Returns the errors of the first 1, 2, … terms of a model over the pairs of a seed, in one pass.
+///
+/// Errors are over RGB, with f̂ clamped at 0. The reference must have data everywhere.
 ///
 /// Source: Wang, Tran and Luebke 2004, figure 4.
 pub fn cosine_rms_by_rank(

@@ -1,29 +1,38 @@
-//! What of a reflectance is factored: itself, or a logarithm.
+//! Value maps: a matrix holds reflectance itself, or a logarithm of it.
 
 use serde::{Deserialize, Serialize};
 
-/// The map from reflectance to what a matrix holds, for one channel.
+/// The map from reflectance to the values of a matrix, for one channel.
+///
+/// ```
+/// use brdf_separable::ValueTransform;
+///
+/// let map = ValueTransform::Cosine;
+/// let value = map.forward(0.4, 0.5);
+/// assert!((value - 1.2_f64.ln()).abs() < 1e-12);
+/// assert!((map.inverse(value, 0.5) - 0.4).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "map", rename_all = "kebab-case")]
 pub enum ValueTransform {
-    /// f.
+    /// The reflectance f itself.
     #[default]
     Linear,
-    /// ln(a + f).
+    /// The logarithm ln(a + f).
     Offset {
-        /// a in sr⁻¹.
+        /// The offset a, in sr⁻¹, > 0.
         a: f64,
     },
-    /// ln(1 + f cosθi), the cosine not below [`ValueTransform::SMALLEST_COSINE`].
+    /// The logarithm ln(1 + f cosθi), the cosine not below [`ValueTransform::SMALLEST_COSINE`].
     Cosine,
 }
 
 impl ValueTransform {
-    /// The cosine is divided out again, so it is kept away from 0.
+    /// The smallest cosine that is used, since reflectance is divided by the cosine in the end.
     pub const SMALLEST_COSINE: f64 = 0.02;
 
-    /// What is factored for a reflectance in sr⁻¹ and the cosine of the light.
+    /// Returns the mapped value of a reflectance in sr⁻¹, given the cosine of the direction to the light.
     pub fn forward(self, f: f64, cos_theta_i: f64) -> f64 {
         match self {
             Self::Linear => f,
@@ -32,7 +41,8 @@ impl ValueTransform {
         }
     }
 
-    /// The reflectance in sr⁻¹ of a factored value; it may be negative.
+    /// Returns the reflectance in sr⁻¹ of a mapped value, given the cosine of the direction to the light; it
+    /// may be negative.
     pub fn inverse(self, value: f64, cos_theta_i: f64) -> f64 {
         match self {
             Self::Linear => value,

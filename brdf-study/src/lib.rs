@@ -17,10 +17,12 @@
 mod functions;
 mod grid;
 mod measure;
+mod report;
 mod slice;
 
 pub use functions::TestFunction;
 pub use measure::{Bivariate, ParametrizationRow, StudyParams, best, study_material};
+pub use report::{GlossGroup, Medians, StudiedMaterial, StudyReport, Wins};
 pub use slice::{Slice, SliceAlignment, alignment};
 
 use brdf_param::Parametrization;

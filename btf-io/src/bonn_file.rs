@@ -11,7 +11,22 @@ use crate::bonn_texels::Texels;
 use brdf_files::{FileError, MappedFile};
 use brdf_io::FormatError;
 
-/// A `.btf` file, whose values are computed when they are asked for.
+/// A `.btf` file of the University of Bonn, whose values are computed when they are asked for.
+///
+/// Three kinds are read: factors of each channel (signature `!DFMF08FCR`), factors of all channels together
+/// (`!FMF12FCER`, `!FMF06FCR`, `!FMF06FC`), and all values (`!BDIF06R2!`). The layout follows the file readers of btflib,
+/// the university's own library.
+///
+/// ```
+/// use brdf_files::MappedFile;
+/// use btf_io::BtfFile;
+///
+/// let error = BtfFile::new(MappedFile::from(b"!PVF06FCR".to_vec())).unwrap_err();
+/// assert!(error.to_string().contains("!DFMF08FCR"), "another kind is refused by name");
+/// ```
+#[doc(alias = "DFMF")]
+#[doc(alias = "FMF")]
+#[doc(alias = "BDIF")]
 #[derive(Debug)]
 pub struct BtfFile {
     bytes: MappedFile,
@@ -27,7 +42,7 @@ enum Content {
 }
 
 impl BtfFile {
-    /// Maps a file and reads its head.
+    /// Opens a file, maps it and reads its head.
     ///
     /// # Errors
     ///
@@ -36,7 +51,7 @@ impl BtfFile {
         Self::new(MappedFile::open(path)?).map_err(FileError::content(path))
     }
 
-    /// Reads the head, and makes sure that what it announces is there.
+    /// Reads the head of a file's bytes, and makes sure that what it announces is there.
     ///
     /// # Errors
     ///
@@ -47,7 +62,7 @@ impl BtfFile {
         Ok(Self { bytes, layout, content })
     }
 
-    /// How many texels have no values; they are read as black.
+    /// Returns the number of texels without values; they are read as black.
     pub fn absent_texels(&self) -> usize {
         match &self.content {
             Content::Factors(_) => 0,

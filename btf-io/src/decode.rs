@@ -67,8 +67,18 @@ pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
     Ok(size)
 }
 
-/// Width, height and texels of one image, row by row from the top, three channels each: in [0, 1] as
-/// sRGB has them if the image has 8 or 16 bits, else linear.
+/// Reads one image and returns its width, height and texels, row by row from the top, three channels each.
+///
+/// Values are in [0, 1] as sRGB has them if the image has 8 or 16 bits, else linear.
+///
+/// ```
+/// use brdf_image::{DisplayImage, encode_png};
+///
+/// let png = encode_png(&DisplayImage::filled(2, 1, [255, 0, 51]))?;
+/// let (size, texels) = btf_io::read_btf_image(&png)?;
+/// assert_eq!((size, &texels[..3]), ([2, 1], &[1.0, 0.0, 0.2][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use brdf_io::FormatError;
 
-/// A problem with a bidirectional texture function; images are named within their folder or archive.
+/// A problem with the images of a bidirectional texture function; they are named within their folder or archive.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BtfError {

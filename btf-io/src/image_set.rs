@@ -14,8 +14,8 @@ use brdf_files::{FileError, MappedFile};
 /// Views, and lights of a view, that interpolation needs at least.
 const LEAST_DIRECTIONS: usize = 3;
 
-/// A set of images whose names give their directions. Sorted by view, then light; both by polar
-/// angle, then azimuth.
+/// A set of images whose names give their directions. It is sorted by view, then light; both by polar angle, then
+/// azimuth.
 #[derive(Debug)]
 pub struct BtfImages {
     path: PathBuf,
@@ -25,7 +25,7 @@ pub struct BtfImages {
     notes: BtfNotes,
 }
 
-/// What is unusual about a set of images, and no error.
+/// Unusual facts about a set of images that are no errors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BtfNotes {
     /// Images that views have less than there are common lights.
@@ -45,7 +45,8 @@ struct Image {
 }
 
 impl BtfImages {
-    /// Looks at a folder of images, and the folders below it.
+    /// Opens a folder of images, and the folders below it. Only the names, and the size of the first image, are
+    /// read.
     ///
     /// # Errors
     ///
@@ -55,7 +56,7 @@ impl BtfImages {
         Self::of(path, Files::in_folder(path)?)
     }
 
-    /// Looks at a ZIP archive of images in any folders. Messages name it by its path.
+    /// Opens a ZIP archive of images in any folders. Messages name it by its path.
     ///
     /// # Errors
     ///
@@ -83,17 +84,17 @@ impl BtfImages {
         Ok(Self { path: path.to_owned(), files, images, layout, notes })
     }
 
-    /// Size and directions.
+    /// Returns size and directions.
     pub fn layout(&self) -> &BtfLayout {
         &self.layout
     }
 
-    /// What is unusual about the set.
+    /// Returns what is unusual about the set.
     pub fn notes(&self) -> &BtfNotes {
         &self.notes
     }
 
-    /// Directions of the images, in their order.
+    /// Returns the directions of the images, in their order.
     pub fn angles(&self) -> impl ExactSizeIterator<Item = ImageAngles> + '_ {
         self.images.iter().map(|image| image.angles)
     }

@@ -13,7 +13,7 @@ use brdf_files::{FileError, MappedFile};
 use brdf_io::FormatError;
 use brdf_io::quoted;
 
-/// A BTF of which directions and size are known, and nothing is decoded.
+/// A BTF whose directions and size are known, and of which nothing is decoded yet.
 #[derive(Debug)]
 #[non_exhaustive]
 #[expect(clippy::large_enum_variant, reason = "there is one for each file")]
@@ -34,7 +34,7 @@ pub enum Btf {
     File(Arc<BtfFile>),
 }
 
-/// Opens a folder or a ZIP archive of images, or a `.btf` file.
+/// Opens a folder or a ZIP archive of images, or a `.btf` file; which of them is found by content.
 ///
 /// # Errors
 ///
@@ -59,7 +59,7 @@ pub fn open_btf(path: &Path) -> Result<BtfInput, FileError> {
 }
 
 impl BtfInput {
-    /// Size and directions.
+    /// Returns size and directions.
     pub fn layout(&self) -> &BtfLayout {
         match self {
             Self::Images(images) => images.layout(),
@@ -67,7 +67,7 @@ impl BtfInput {
         }
     }
 
-    /// What is unusual about a set of images.
+    /// Returns what is unusual about a set of images, or `None` for a `.btf` file.
     pub fn notes(&self) -> Option<&BtfNotes> {
         match self {
             Self::Images(images) => Some(images.notes()),

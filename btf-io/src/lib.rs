@@ -1,14 +1,19 @@
-//! Bidirectional texture functions as files: folders and ZIP archives of images named by their directions, binary
-//! `.btf` files, and the maps of height, normal and albedo that images are synthesized from.
+//! Bidirectional texture functions as files.
 //!
-//! [`open_btf`] recognizes what it is given by content; a [`BtfInput`] knows directions and sizes before anything is
-//! decoded. Directions are in the names of images:
+//! - [`open_btf`] opens a folder or ZIP archive of images named by their directions, or a binary `.btf` file of the
+//!   University of Bonn, whichever the content is. The [`BtfInput`] that it returns knows directions and sizes before
+//!   anything is decoded; [`BtfInput::load`] decodes.
+//! - [`read_map`] and [`read_albedo`] read the maps of height, normal and albedo that images are synthesized from.
+//! - [`UboWriter`] writes images in the layout of the UBO2003 measurements.
+//!
+//! What is loaded is a [`btf_vq::BtfSource`], which `btf-vq` compresses.
 //!
 //! ```
 //! use btf_io::parse_image_name;
 //!
 //! let angles = parse_image_name("tl015 pl000 tv030 pv090.jpg")?.expect("all four angles");
-//! assert!((angles.light.theta_deg - 15.0).abs() < 1e-9 && (angles.view.phi_deg - 90.0).abs() < 1e-9);
+//! assert!((angles.light.theta_deg() - 15.0).abs() < 1e-9);
+//! assert!((angles.view.phi_deg() - 90.0).abs() < 1e-9);
 //! # Ok::<(), btf_io::BtfError>(())
 //! ```
 
@@ -41,3 +46,7 @@ pub use loaded::LoadedBtf;
 pub use maps::{read_albedo, read_map};
 pub use names::{ImageAngles, NamedDirection, parse_image_name};
 pub use ubo_writer::{UboWriter, WrittenImages};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -17,8 +17,7 @@ const BATCH_BYTES: usize = 32 << 20;
 /// Images decoded together at least, for each thread.
 const LEAST_PER_THREAD: usize = 2;
 
-/// A BTF whose images are decoded: in 8 bits if they are display-referred, in half precision if
-/// they are linear.
+/// A BTF whose images are decoded: in 8 bits if they are display-referred, in half precision if they are linear.
 #[derive(Debug)]
 pub struct LoadedBtf {
     layout: BtfLayout,
@@ -27,8 +26,10 @@ pub struct LoadedBtf {
 }
 
 impl BtfImages {
-    /// Decodes all images. More than `memory_limit` bytes of them go to a temporary file; a few
-    /// images come on top. `progress` is told how many were done since it was last called.
+    /// Decodes all images.
+    ///
+    /// More than `memory_limit` bytes of them go to a temporary file; a few images come on top. `progress` is called
+    /// with the number of images that were done since it was last called.
     ///
     /// # Errors
     ///
@@ -116,8 +117,7 @@ fn value_size(encoding: Encoding) -> usize {
 }
 
 impl LoadedBtf {
-    /// How many values of linear images were below zero and became zero, as colours outside the
-    /// gamut do.
+    /// Returns how many values of linear images were below zero and became zero, as colours outside the gamut do.
     pub fn negative_values(&self) -> u64 {
         self.negative_values
     }

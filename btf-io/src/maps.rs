@@ -14,8 +14,8 @@ use brdf_io::FormatError;
 const MAX_SIDE: u32 = 16_384;
 const MAX_BYTES: u64 = 2 << 30;
 
-/// Reads the channels of an image as they are stored, scaled to [0, 1]: one of a grey image, three
-/// of a coloured one. Opacity is left out.
+/// Reads the channels of an image as they are stored, scaled to [0, 1]: one of a grey image, three of a coloured
+/// one. Opacity is left out.
 ///
 /// # Errors
 ///
@@ -25,8 +25,7 @@ pub fn read_map(path: &Path) -> Result<Vec<Map>, FileError> {
     parse_map(&bytes).map_err(FileError::content(path))
 }
 
-/// Reads an sRGB-encoded image as linear red, green and blue; of a grey image all three are the
-/// same.
+/// Reads an sRGB-encoded image as linear red, green and blue; of a grey image all three are the same.
 ///
 /// # Errors
 ///

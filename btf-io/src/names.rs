@@ -17,7 +17,7 @@ const TURN: u32 = 360_000_000;
 /// The keys in the order of [`Fields`]: polar angle and azimuth of the light, then of the view.
 const KEYS: [&str; 4] = ["tl", "pl", "tv", "pv"];
 
-/// A direction as a name gives it. Ordered by polar angle, then azimuth.
+/// A direction as the name of an image gives it. Ordered by polar angle, then azimuth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NamedDirection {
     /// Angle from the normal in millionths of a degree, 0 to 90°.
@@ -34,17 +34,17 @@ impl NamedDirection {
         (theta_deg >= 0.0 && theta <= HORIZON).then_some(Self { theta, phi })
     }
 
-    /// Angle from the normal in degrees.
+    /// Returns the angle from the normal in degrees.
     pub fn theta_deg(self) -> f64 {
         f64::from(self.theta) / UNITS
     }
 
-    /// Azimuth in degrees, 0 or more and below 360.
+    /// Returns the azimuth in degrees, 0 or more and below 360.
     pub fn phi_deg(self) -> f64 {
         f64::from(self.phi) / UNITS
     }
 
-    /// Unit vector, z along the normal.
+    /// Returns the unit vector, z along the normal.
     pub fn direction(self) -> DVec3 {
         let (sin_theta, cos_theta) = self.theta_deg().to_radians().sin_cos();
         let (sin_phi, cos_phi) = self.phi_deg().to_radians().sin_cos();
@@ -58,7 +58,7 @@ impl std::fmt::Display for NamedDirection {
     }
 }
 
-/// The directions of an image. Ordered by view, then light.
+/// The directions to viewer and light of an image. Ordered by view, then light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ImageAngles {
     /// To the viewer.
@@ -80,7 +80,17 @@ fn units(degrees: f64) -> u32 {
 /// What follows the four keys in a name.
 type Fields = [Option<f64>; 4];
 
-/// The angles in the name of a file, its folders left aside; none if no key is in it.
+/// Returns the angles in the name of a file, its folders left aside, or `None` if no key is in it.
+///
+/// ```
+/// use btf_io::parse_image_name;
+///
+/// assert!(parse_image_name("readme.txt")?.is_none());
+/// let angles = parse_image_name("tv015_pv000/00000 tl030 pl060 tv015 pv000.jpg")?.expect("keys");
+/// assert_eq!((angles.light.theta_deg(), angles.view.theta_deg()), (30.0, 15.0));
+/// assert!(parse_image_name("tl030 pl060.jpg").is_err(), "the view is missing");
+/// # Ok::<(), btf_io::BtfError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -18,7 +18,7 @@ const JPEG_QUALITY: u8 = 95;
 /// Bytes of disk to ask for, per texel of an image: rough surfaces take .5 to 1 at this quality.
 const BYTES_PER_TEXEL: u64 = 1;
 
-/// What was written, and what 8 bits could not hold.
+/// Counts of the images that were written, and of what 8 bits could not hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WrittenImages {
     /// Number of images.
@@ -34,7 +34,7 @@ pub struct WrittenImages {
 }
 
 impl WrittenImages {
-    /// Share of clipped values.
+    /// Returns the share of values that were clipped, in [0, 1].
     pub fn clipped_share(&self) -> f64 {
         self.clipped as f64 / self.values.max(1) as f64
     }
@@ -49,7 +49,8 @@ impl WrittenImages {
     }
 }
 
-/// A folder of images under construction. It appears only when complete.
+/// A writer of a BTF as a folder of images, in the layout of the UBO2003 measurements. The folder appears only when
+/// complete.
 #[derive(Debug)]
 pub struct UboWriter {
     folder: OutputFolder,
@@ -77,8 +78,8 @@ impl UboWriter {
         Ok(Self { folder, size: [columns, rows], written: WrittenImages::default() })
     }
 
-    /// Writes the images of a view of [`ubo_directions`] under all lights, `values[light][texel][rgb]`,
-    /// linear: encoded as sRGB, values above 1 clipped and counted.
+    /// Writes the images of a view of [`ubo_directions`] under all lights, from linear `values[light][texel][rgb]`.
+    /// They are encoded as sRGB, and values above 1 are clipped and counted.
     ///
     /// # Errors
     ///
@@ -110,12 +111,13 @@ impl UboWriter {
         Ok(())
     }
 
-    /// What was written so far.
+    /// Returns what was written so far.
     pub fn written(&self) -> WrittenImages {
         self.written
     }
 
-    /// Adds `report`, by which the folder is known to be ours, and puts the folder in its place.
+    /// Adds `report`, by which the folder is known to be ours, moves the folder to its place, and returns that
+    /// place.
     ///
     /// # Errors
     ///

@@ -1,7 +1,9 @@
 //! Binary BTFs: files built from known factors give the values of their products.
 #![expect(clippy::unwrap_used, reason = "helpers of tests; the lint knows test functions only")]
 
-use brdf_io::{Btf, BtfFile, FormatError, MappedFile, open_btf};
+use brdf_files::MappedFile;
+use brdf_io::FormatError;
+use btf_io::{Btf, BtfFile, open_btf};
 use btf_vq::{BtfSource as _, Encoding};
 use half::f16;
 

@@ -6,9 +6,9 @@ use std::io::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use brdf_io::{
-    Btf, BtfImages, BtfInput, LoadedBtf, MappedFile, open_btf, read_btf_image, write_exr,
-};
+use brdf_files::MappedFile;
+use brdf_image::encode_exr;
+use btf_io::{Btf, BtfImages, BtfInput, LoadedBtf, open_btf, read_btf_image};
 use btf_vq::{BtfSource as _, Encoding};
 
 const WIDTH: usize = 20;
@@ -297,7 +297,7 @@ fn exr_images_of_xyz_become_rgb_and_colours_below_zero_are_counted() {
     let channels = |xyz: [f32; 3]| {
         let named = ["X", "Y", "Z"].into_iter().zip(xyz);
         let planes: Vec<(&str, Vec<f32>)> = named.map(|(n, v)| (n, vec![v; 6])).collect();
-        write_exr(3, 2, &planes).unwrap()
+        encode_exr(3, 2, &planes).unwrap()
     };
     let btf = loaded(&utia_files(|_, _| channels([0.950_47, 1.0, 1.088_83])));
     assert!(image(&btf, 3).iter().all(|value| (value - 1.0).abs() < 1e-3));
@@ -307,14 +307,14 @@ fn exr_images_of_xyz_become_rgb_and_colours_below_zero_are_counted() {
     assert!(image(&btf, 3).iter().all(|&value| value >= 0.0));
 
     let planes = ["450", "550", "650"].map(|name| (name, vec![1.0; 6]));
-    let message = refusal(&utia_files(|_, _| write_exr(3, 2, &planes).unwrap()));
+    let message = refusal(&utia_files(|_, _| encode_exr(3, 2, &planes).unwrap()));
     assert!(message.contains("450, 550, 650"), "{message}");
 }
 
 #[test]
 fn unusable_values_are_refused_with_their_place() {
     let planes = ["R", "G", "B"].map(|name| (name, vec![1.0, 1.0, 1.0, 1.0, f32::INFINITY, 1.0]));
-    let mut files = utia_files(|_, _| write_exr(3, 2, &planes).unwrap());
+    let mut files = utia_files(|_, _| encode_exr(3, 2, &planes).unwrap());
     let message = refusal(&files);
     assert!(message.contains("column 1, row 1") && message.contains("inf (3"), "{message}");
     // Linear images and others do not mix, whether their extensions tell or not.
@@ -379,7 +379,7 @@ fn kinds() -> [Vec<u8>; 5] {
         jpeg(WIDTH, HEIGHT, &texels(0, 0)),
         radiance(0, 0),
         coded,
-        write_exr(WIDTH, HEIGHT, &planes).unwrap(),
+        encode_exr(WIDTH, HEIGHT, &planes).unwrap(),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! What can be wrong with the maps of a surface.
 
-/// Maps or options that make no surface.
+/// A problem with maps or options that make no surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SynthError {

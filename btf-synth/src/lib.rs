@@ -1,5 +1,9 @@
-//! A virtual gonioreflectometer: bidirectional texture functions of height fields with albedo and
-//! roughness, in the 81 × 81 directions of the UBO2003 measurements.
+//! A virtual gonioreflectometer: bidirectional texture functions (BTFs) made of height fields.
+//!
+//! A [`SurfaceMaps`] holds heights, albedo and roughness of a tile that repeats; heights can be had from a normal map with
+//! [`heights_from_normals`]. A [`SurfaceScene`] computes shadows and bounces once, and [`SurfaceScene::synthesize_view`]
+//! makes the images of one view under all lights. Views and lights are the 81 directions of the UBO2003 measurements
+//! ([`ubo_directions`]), so that results can stand in for measured data.
 //!
 //! ```
 //! use btf_synth::{LIGHT_COUNT, Map, Reflectance, SurfaceScene, SurfaceMaps, SynthOptions};
@@ -34,3 +38,7 @@ pub use normal_map::heights_from_normals;
 pub use scene::{SurfaceScene, SynthOptions};
 pub use shading::Reflectance;
 pub use surface::SurfaceMaps;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

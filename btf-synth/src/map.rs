@@ -5,7 +5,16 @@ use crate::SynthError;
 /// The longest side of a map that is read: a scan of 16k texels, 1 GiB in f32.
 const LARGEST_SIDE: usize = 16_384;
 
-/// One channel over a tile; row-major, the first row has the largest y. All values are finite.
+/// A map of one channel over a tile; row-major, the first row has the largest y. All values are finite.
+///
+/// ```
+/// use btf_synth::Map;
+///
+/// let ramp = Map::new(4, 1, vec![0.0, 1.0, 2.0, 5.0])?;
+/// assert_eq!(ramp.stretched(1.0).range(), [0.0, 1.0]);
+/// assert_eq!(ramp.box_filtered(2, 1)?.values(), [0.5, 3.5]);
+/// # Ok::<(), btf_synth::SynthError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     width: usize,
@@ -14,7 +23,7 @@ pub struct Map {
 }
 
 impl Map {
-    /// Takes row-major values.
+    /// Returns a map of row-major values.
     ///
     /// # Errors
     ///
@@ -41,7 +50,7 @@ impl Map {
         Ok(Self { width, height, values })
     }
 
-    /// The same value everywhere.
+    /// Returns a map with the same value everywhere.
     ///
     /// # Errors
     ///
@@ -54,44 +63,44 @@ impl Map {
         Self::new(width, height, vec![value; width * height])
     }
 
-    /// Texels in a row.
+    /// Returns the number of texels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// The values, row-major.
+    /// Returns the values, row-major.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// Smallest and largest value.
+    /// Returns the smallest and the largest value.
     pub fn range(&self) -> [f32; 2] {
         self.values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], &value| {
             [low.min(value), high.max(value)]
         })
     }
 
-    /// Hills become valleys: every value is subtracted from the sum of the smallest and the
-    /// largest.
+    /// Returns the map with hills and valleys exchanged: every value is subtracted from the sum of the smallest and
+    /// the largest.
     #[must_use]
     pub fn inverted(&self) -> Self {
         let [low, high] = self.range();
         self.with(|value| low + high - value)
     }
 
-    /// Every value times a factor.
+    /// Returns the map with every value times a factor.
     #[must_use]
     pub fn scaled(&self, factor: f32) -> Self {
         self.with(|value| factor * value)
     }
 
-    /// Stretched and shifted so that the smallest value is 0 and the largest `span`. A constant
-    /// map becomes 0.
+    /// Returns the map stretched and shifted so that the smallest value is 0 and the largest `span`. A constant map
+    /// becomes 0.
     #[must_use]
     pub fn stretched(&self, span: f32) -> Self {
         let [low, high] = self.range();
@@ -99,8 +108,8 @@ impl Map {
         self.with(|value| (value - low) * scale)
     }
 
-    /// The whole map resampled to `width` × `height` texels, each the mean over the area that it
-    /// covers; a texel larger than that area is repeated.
+    /// Returns the whole map resampled to `width` × `height` texels, each the mean over the area that it covers; a
+    /// texel larger than that area is repeated.
     ///
     /// # Errors
     ///

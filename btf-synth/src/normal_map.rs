@@ -11,9 +11,19 @@ use crate::{Map, SynthError};
 /// Least z of a normal: steeper ones are artefacts of compression, and 1/z would follow them.
 const MIN_NORMAL_Z: f64 = 0.05;
 
-/// Heights, with mean 0 and in units of the tile's width, whose gradients come nearest to those of
-/// a tangent-space normal map (least squares, periodic). The map's channels x, y and z are stored
-/// as (n + 1) / 2, y up (the OpenGL convention), row 0 at the top.
+/// Returns the heights whose gradients come nearest to those of a tangent-space normal map (least squares,
+/// periodic).
+///
+/// Heights have mean 0 and are in units of the tile's width. The map's channels x, y and z are stored as (n + 1) /
+/// 2, y up (the OpenGL convention), row 0 at the top.
+///
+/// ```
+/// use btf_synth::{Map, heights_from_normals};
+///
+/// let flat = [0.5, 0.5, 1.0].map(|v| Map::constant(8, 8, v).expect("a small map"));
+/// assert_eq!(heights_from_normals(&flat)?.range(), [0.0, 0.0]);
+/// # Ok::<(), btf_synth::SynthError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -11,7 +11,7 @@ use crate::points::hammersley;
 use crate::shading::{Point, Surfel, ViewLights, shade};
 use crate::{Reflectance, SurfaceMaps, SynthError};
 
-/// How much work goes into each texel.
+/// Options of the synthesis: how much work goes into each texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SynthOptions {
     /// Samples per texel, 1 to 4096, at the same places in each. 16 leave steps of 1/16 at the edge
@@ -48,8 +48,8 @@ impl SynthOptions {
     }
 }
 
-/// A surface under the 81 lights: a height field that repeats, rectified to its mean height, seen
-/// by an orthographic camera.
+/// A surface under the 81 lights, ready to be seen from each of the 81 views: a height field that repeats, rectified
+/// to its mean height, seen by an orthographic camera.
 ///
 /// Values are π times the reflected radiance for lights of unit irradiance (on a plane that faces
 /// them): they include cosθi, and a white Lambertian plane under a light at the normal gives 1.
@@ -66,7 +66,8 @@ pub struct SurfaceScene<'a> {
 }
 
 impl<'a> SurfaceScene<'a> {
-    /// Works out shadows and bounces: 352 bytes a texel, and 1.1 kB more with bounces.
+    /// Returns a scene, with its shadows and bounces computed. It takes 352 bytes a texel, and 1.1 kB more with
+    /// bounces.
     ///
     /// # Errors
     ///
@@ -102,19 +103,20 @@ impl<'a> SurfaceScene<'a> {
         Ok(Self { field, lights, surfels, reflectance, horizons, indirect, options: *options })
     }
 
-    /// Texels in a row.
+    /// Returns the number of texels in a row.
     pub fn width(&self) -> usize {
         self.field.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.field.height
     }
 
-    /// The images of one view of [`crate::ubo_directions`] under all lights into
-    /// `out[light][texel][rgb]`: linear, row-major, the first row has the largest y. The result does
-    /// not depend on the number of threads.
+    /// Writes the images of one view of [`crate::ubo_directions`] under all lights into `out[light][texel][rgb]`.
+    ///
+    /// Values are linear and row-major, and the first row has the largest y. The result does not depend on the
+    /// number of threads.
     ///
     /// # Panics
     ///

@@ -11,14 +11,14 @@ use crate::height_field::Place;
 use crate::horizon::normal;
 use crate::lights::{LANES, Lanes, Lights};
 
-/// How each point of the surface reflects.
+/// The reflectance of each point of the surface.
 #[derive(Clone, Copy)]
 pub enum Reflectance<'a> {
-    /// albedo / π.
+    /// A diffuser: albedo / π.
     Lambertian,
-    /// albedo / π plus a GGX microfacet lobe (alpha = roughness²; Smith's shadowing, height
-    /// correlated; Schlick's Fresnel term). Roughness below .1 is shaded as .1: a sharper lobe would
-    /// fall between the directions of the table.
+    /// A diffuser with a gloss: albedo / π plus a GGX microfacet lobe (alpha = roughness²; Smith's shadowing, height
+    /// correlated; Schlick's Fresnel term). Roughness below .1 is shaded as .1: a sharper lobe would fall between
+    /// the directions of the table.
     Ggx {
         /// Reflectance at normal incidence, in [0, 1].
         f0: f32,

@@ -5,8 +5,17 @@ use crate::{Map, SynthError};
 /// The longest side of a tile that is synthesized: a view of all lights then takes 1 GB.
 const LARGEST_SIDE: usize = 1024;
 
-/// Heights, albedo and roughness of a tile that repeats; row-major, the first row has the largest
-/// y. Texels are square.
+/// Heights, albedo and roughness of a tile that repeats; row-major, the first row has the largest y. Texels are
+/// square.
+///
+/// ```
+/// use btf_synth::SurfaceMaps;
+///
+/// let heights = vec![0.0, 0.1, 0.0, 0.3];
+/// let maps = SurfaceMaps::new(2, 2, heights, vec![[0.5; 3]; 4], vec![0.6; 4])?;
+/// assert!((maps.heights()[3] - 0.2).abs() < 1e-6, "over the mean");
+/// # Ok::<(), btf_synth::SynthError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMaps {
     width: usize,
@@ -17,8 +26,8 @@ pub struct SurfaceMaps {
 }
 
 impl SurfaceMaps {
-    /// Takes heights in units of the tile's width, of which the mean is subtracted; linear albedo
-    /// in [0, 1]; roughness in [0, 1].
+    /// Returns maps of heights in units of the tile's width, of which the mean is subtracted; of linear albedo in
+    /// [0, 1]; and of roughness in [0, 1].
     ///
     /// # Errors
     ///
@@ -52,8 +61,8 @@ impl SurfaceMaps {
         Ok(Self { width, height, heights, albedo, roughness })
     }
 
-    /// Maps of any sizes, each resampled whole to `size`² texels; heights in units of the tile's
-    /// width, albedo linear.
+    /// Returns maps made of maps of any sizes, each resampled whole to `size`² texels; heights in units of the
+    /// tile's width, albedo linear.
     ///
     /// # Errors
     ///
@@ -74,27 +83,27 @@ impl SurfaceMaps {
         Self::new(size, size, filtered(heights)?, albedo, filtered(roughness)?)
     }
 
-    /// Texels in a row.
+    /// Returns the number of texels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Heights over their mean, in units of the tile's width.
+    /// Returns the heights over their mean, in units of the tile's width.
     pub fn heights(&self) -> &[f32] {
         &self.heights
     }
 
-    /// Linear albedo.
+    /// Returns the linear albedo of each texel.
     pub fn albedo(&self) -> &[[f32; 3]] {
         &self.albedo
     }
 
-    /// Roughness in [0, 1], the square root of a microfacet distribution's alpha.
+    /// Returns the roughness of each texel in [0, 1], the square root of a microfacet distribution's alpha.
     pub fn roughness(&self) -> &[f32] {
         &self.roughness
     }

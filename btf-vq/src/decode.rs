@@ -193,7 +193,6 @@ impl VqModel {
         let chromas = header.c.map(|quantizer| quantizer.table());
         let colours = self.stream(2).as_chunks::<2>().0.iter();
         let mut decoder = Decoder {
-            /// Returns the grid of directions.
             grid,
             encoding: header.encoding,
             chroma: header.chroma,
@@ -228,7 +227,7 @@ impl VqModel {
 }
 
 impl Decoder<'_> {
-    /// The grid.
+    /// Returns the grid of directions.
     pub fn grid(&self) -> &AngularGrid {
         &self.grid
     }

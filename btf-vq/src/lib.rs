@@ -1,14 +1,20 @@
-//! Bidirectional *texture* functions (nothing to do with the BPF Type Format): a material's images
-//! for many views and lights, gigabytes of them, in about a megabyte of nested codebooks from which any
-//! texel for any light and view is read at random, and light directions are drawn by importance.
+//! Compression of bidirectional texture functions (BTFs; nothing to do with the BPF Type Format).
+//!
+//! A BTF is a set of images of a material, one for each pair of view and light: gigabytes of them. Here it becomes about a
+//! megabyte of nested codebooks. Any texel can be read for any light and view without unpacking the rest, and light
+//! directions can be drawn by importance.
+//!
+//! - [`TextureInputs`] holds what is to be compressed: images from a [`BtfSource`], or BRDFs as textures of one texel.
+//! - [`compress()`] makes a [`BtfModel`], or adds textures to one. [`Mode`] chooses between the refined encoder, the paper's,
+//!   and local principal components, the rival that the paper compares with.
+//! - [`BtfReader`] reads texels and images and draws lights; [`TexturedBtf`] shows the texture on objects.
+//! - [`compare_texture`] and [`compare_brdfs`] measure what was lost; [`study_rates`] compares methods at several sizes.
+//!
+//! The steps can also be taken one by one: a [`Resampler`] brings images to the nodes of an [`AngularGrid`],
+//! [`encode_refined`] or [`encode_paper`] makes [`Codebooks`], and [`VqModel`] holds them packed.
 //!
 //! Source: V. Havran, J. Filip and K. Myszkowski, "Bidirectional Texture Function Compression Based
-//! on Multi-Level Vector Quantization", Computer Graphics Forum 29(1), 2010. [`encode_paper`] is
-//! the paper's encoder, [`encode_refined`] one that clusters at every level, [`LpcaModel`] the rival
-//! that the paper compares with, in bytes.
-//!
-//! A [`BtfSource`] gives texels, a [`Resampler`] brings them to an [`AngularGrid`], an encoder makes
-//! [`Codebooks`], [`VqModel`] holds them packed, and a [`BtfReader`] reads:
+//! on Multi-Level Vector Quantization", Computer Graphics Forum 29(1), 2010.
 //!
 //! ```
 //! use btf_vq::BtfModel;
@@ -23,7 +29,7 @@
 //! }
 //! ```
 //!
-//! The container is plain safetensors: `docs/btf.md` of the project reads it with NumPy.
+//! Models are stored as plain safetensors: `docs/btf.md` of the project reads a file with NumPy.
 
 pub mod baselines;
 mod bits;
@@ -91,3 +97,7 @@ pub use sample::{LightQuery, LightSampler, SampledLight};
 pub use source::{BtfLayout, BtfSource, BtfView, Encoding, SourceError};
 pub use texels::{NodeTable, TexelSet};
 pub use textured::TexturedBtf;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

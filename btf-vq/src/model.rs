@@ -17,7 +17,6 @@ use crate::{
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "the names are those of the books")]
 pub struct Rows {
-    /// Codes of the values of P1.
     pub p1: usize,
     pub p2: usize,
     pub c: usize,
@@ -51,7 +50,7 @@ pub struct TextureHeader {
     /// Name, size and meaning.
     #[serde(flatten)]
     pub info: TextureInfo,
-    /// Of the scales of P6.
+    /// Codes of the scales of P6.
     pub scale: Quantizer,
 }
 
@@ -67,15 +66,15 @@ pub struct Header {
     pub chroma: Chroma,
     /// Sizes of the books.
     pub rows: Rows,
-    /// Of the values of P1.
+    /// Codes of the values of P1.
     pub p1: Quantizer,
-    /// Of the two columns of C.
+    /// Codes of the two columns of C.
     pub c: [Quantizer; 2],
-    /// Of the scales of P2.
+    /// Codes of the scales of P2.
     pub p2: Quantizer,
-    /// Of the scales of P3.
+    /// Codes of the scales of P3.
     pub p3: Quantizer,
-    /// Of the scales of P4.
+    /// Codes of the scales of P4.
     pub p4: Quantizer,
     /// The textures.
     pub materials: Vec<TextureHeader>,
@@ -87,13 +86,13 @@ pub(crate) const VALUE_BITS: u32 = 8;
 /// Numbers of bits that scales are stored in, 1 to 16.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScaleBits {
-    /// Of P2's scales.
+    /// Bits of P2's scales.
     pub p2: u32,
-    /// Of P3's.
+    /// Bits of P3's scales.
     pub p3: u32,
-    /// Of P4's.
+    /// Bits of P4's scales.
     pub p4: u32,
-    /// Of P6's.
+    /// Bits of P6's scales.
     pub p6: u32,
     /// Logarithmic steps everywhere, instead of only where linear ones are too coarse.
     pub always_log: bool,

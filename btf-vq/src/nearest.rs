@@ -72,7 +72,7 @@ impl CodeSet {
         length
     }
 
-    /// Luminance, of unit length, and chrominance of a code.
+    /// Returns the luminance, of unit length, and the chrominance of a code.
     pub fn code(&self, code: usize) -> (&[f32], &[f32]) {
         (
             &self.luma[code * self.luma_len..][..self.luma_len],

@@ -34,7 +34,7 @@ impl Measure {
 /// Options of the paper's encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperParams {
-    /// What is similar enough.
+    /// Similarity measure and threshold below which slices share a row.
     pub measure: Measure,
     /// Most rows of P4, as a share of all texels.
     pub budget: f64,

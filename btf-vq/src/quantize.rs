@@ -69,11 +69,10 @@ impl Quantizer {
         (1 << self.bits) - 1
     }
 
-    /// The nearest code.
+    /// Returns the code whose value is nearest to `value`.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-    /// Returns the code whose value is nearest to `value`.
         reason = "clamped to codes of at most 16 bits"
     )]
     pub fn encode(&self, value: f32) -> u32 {

@@ -27,11 +27,11 @@ use crate::texels::TexelSet;
 pub enum RateMethod {
     /// Refined codebooks.
     Refined,
-    /// As published, with a threshold of MSE.
+    /// Codebooks as published, with a threshold of MSE.
     Paper,
     /// Local principal components in bytes.
     Lpca,
-    /// The same in f32.
+    /// Local principal components in `f32`.
     LpcaF32,
     /// One level of vector quantization.
     OneLevel,
@@ -60,13 +60,13 @@ impl RateMethod {
 /// The points that [`study_rates`] measures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateSettings {
-    /// Which methods.
+    /// Methods to measure.
     pub methods: Vec<RateMethod>,
-    /// Raw bytes over bytes.
+    /// Ratios of raw bytes to bytes at which methods with a choice of size are measured.
     pub ratios: Vec<f64>,
     /// Thresholds of the paper's mode.
     pub epsilons: Vec<f64>,
-    /// Components of each view.
+    /// Numbers of components at which principal components of each view are measured.
     pub components: Vec<usize>,
     /// Every how many images are compared, 1 or more.
     pub every: usize,
@@ -88,13 +88,13 @@ impl Default for RateSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RateRow {
-    /// Which method.
+    /// Method of compression.
     pub method: RateMethod,
     /// Bytes of books, bases and texels, without headers.
     pub bytes: usize,
     /// Raw bytes over these.
     pub ratio: f64,
-    /// How near its images are.
+    /// Fidelity of its images.
     #[serde(flatten)]
     pub fidelity: Fidelity,
 }

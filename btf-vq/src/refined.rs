@@ -32,17 +32,17 @@ pub struct CodebookSizes {
 /// Sums of squared errors, in the metric of the survey, that each level of the books adds.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct LevelErrors {
-    /// Of choosing among P4.
+    /// Error of choosing among P4.
     pub p4: f64,
-    /// Of choosing among P3.
+    /// Error of choosing among P3.
     pub p3: f64,
-    /// Of choosing among P2.
+    /// Error of choosing among P2.
     pub p2: f64,
-    /// Of choosing among P1.
+    /// Error of choosing among P1.
     pub p1: f64,
-    /// Of choosing among I2.
+    /// Error of choosing among I2.
     pub i2: f64,
-    /// After all, of all texels, with scales not yet quantized.
+    /// Error after all, of all texels, with scales not yet quantized.
     pub total: f64,
 }
 

@@ -83,7 +83,6 @@ impl Resampler {
         let rbf = DirectionRbf::new("lights of a view", &common)?;
         let lights = (0..grid.phis).map(|phi| light_matrix(&grid, &rbf, phi)).collect();
         Ok(Self {
-            /// Returns the grid of directions.
             grid,
             encoding: layout.encoding,
             image_count: first,
@@ -91,17 +90,16 @@ impl Resampler {
             slots,
             views,
             lights,
-            /// Returns the number of pairs of view and common light without an image, whose values are interpolated.
             filled,
         })
     }
 
-    /// The grid.
+    /// Returns the grid of directions.
     pub fn grid(&self) -> &AngularGrid {
         &self.grid
     }
 
-    /// Pairs of view and common light without an image, whose values are interpolated.
+    /// Returns the number of pairs of view and common light without an image, whose values are interpolated.
     pub fn filled(&self) -> usize {
         self.filled
     }

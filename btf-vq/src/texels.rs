@@ -130,14 +130,14 @@ fn node_mean(
 /// A set of texels that are compressed together.
 #[derive(Clone, Copy)]
 pub enum TexelSet<'a> {
-    /// Of images.
+    /// Texels of images.
     Images {
         /// Their values.
         source: &'a dyn BtfSource,
-        /// How they come to the grid.
+        /// Matrices that take them to the grid.
         resampler: &'a Resampler,
     },
-    /// On the grid already.
+    /// Texels that are on the grid already.
     Nodes(&'a NodeTable),
 }
 

@@ -13,7 +13,7 @@ use crate::reader::BtfReader;
 /// are taken where a pixel sees more than a texel.
 #[derive(Clone, Debug)]
 pub struct TexturedBtf<'a> {
-    /// The texture.
+    /// Reader of the texture.
     pub reader: BtfReader<'a>,
     /// Whether its values contain the cosine of the light's polar angle.
     pub cosine_included: bool,

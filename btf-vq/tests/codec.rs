@@ -6,6 +6,7 @@ mod support;
 
 use std::sync::Arc;
 
+use brdf_job::Job;
 use btf_vq::{
     AngularGrid, Chroma, CodeSet, CodebookSizes, Codebooks, CompressedTexture, Encoded, Encoding,
     IndexCodebook, LightParametrization, LpcaModel, Measure, NodeTable, PaperParams,
@@ -23,13 +24,18 @@ const SIZES: CodebookSizes =
 
 fn survey(source: &Formula, resampler: &Resampler) -> ProjectedTexels {
     let sets = [TexelSet::Images { source, resampler }];
-    ProjectedTexels::of(&sets, ProjectionParams { dims: 40, sample: 128 }, &|_| {}).unwrap()
+    ProjectedTexels::of(&sets, ProjectionParams { dims: 40, sample: 128 }, &Job::new()).unwrap()
 }
 
 fn refined(source: &Formula) -> VqModel {
     let resampler = resampler(source);
-    let encoded =
-        encode_refined(&[survey(source, &resampler)], &SIZES, empty(source, Chroma::Relative));
+    let encoded = encode_refined(
+        &[survey(source, &resampler)],
+        &SIZES,
+        empty(source, Chroma::Relative),
+        &Job::new(),
+    )
+    .unwrap();
     let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(source, texture)];
@@ -43,7 +49,7 @@ fn paper(source: &Formula, measure: Measure) -> VqModel {
     // Small textures have few texels to learn from: 5 % of 256.
     let params = PaperParams { measure, budget: 0.2 };
     let (mut books, textures) =
-        encode_paper(&sets, &params, empty(source, Chroma::Absolute), &|_| {}).unwrap();
+        encode_paper(&sets, &params, empty(source, Chroma::Absolute), &Job::new()).unwrap();
     let mut materials: Vec<_> = textures.into_iter().map(|t| material(source, t)).collect();
     books.normalize(&mut materials);
     VqModel::pack(&books, &materials, ScaleBits::paper(Encoding::Srgb)).unwrap()
@@ -52,7 +58,7 @@ fn paper(source: &Formula, measure: Measure) -> VqModel {
 fn lpca(source: &Formula) -> LpcaModel {
     let resampler = resampler(source);
     let survey = survey(source, &resampler);
-    let fit = fit_lpca(&survey, 400_000, 1).unwrap();
+    let fit = fit_lpca(&survey, 400_000, 1, &Job::new()).unwrap();
     LpcaModel::pack(&survey, &fit, vec![info(source)]).unwrap()
 }
 
@@ -140,8 +146,13 @@ fn packing_and_unpacking_loses_nothing_more() {
 fn slices_of_unpacked_books_have_unit_integrals() {
     let source = Formula::new(8, 0.2, Encoding::Srgb);
     let resampler = resampler(&source);
-    let encoded =
-        encode_refined(&[survey(&source, &resampler)], &SIZES, empty(&source, Chroma::Relative));
+    let encoded = encode_refined(
+        &[survey(&source, &resampler)],
+        &SIZES,
+        empty(&source, Chroma::Relative),
+        &Job::new(),
+    )
+    .unwrap();
     let mut books = encoded.books;
     let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
     books.normalize(&mut [material(&source, texture)]);
@@ -200,7 +211,9 @@ fn books_grow_without_changing_the_rows_they_have() {
 
     let (books, mut materials) = refined(&first).unpack();
     let sizes = CodebookSizes { p4: 16, p3: 40, p2: 30, p1: 20, i2: 4, i1: 4, c: 4 };
-    let added = encode_refined(&[survey(&second, &second_resampler)], &sizes, books.clone());
+    let added =
+        encode_refined(&[survey(&second, &second_resampler)], &sizes, books.clone(), &Job::new())
+            .unwrap();
     let texture = IndexCodebook { len: 1, index: added.index, scale: added.scale };
     assert!(starts_with(&added.books.p4, &books.p4) && starts_with(&added.books.m, &books.m));
     assert!(starts_with(&added.books.p2, &books.p2) && starts_with(&added.books.i2, &books.i2));
@@ -212,7 +225,7 @@ fn books_grow_without_changing_the_rows_they_have() {
 
     let (books, mut materials) = paper(&first, Measure::Mse(0.001)).unpack();
     let params = PaperParams { measure: Measure::Mse(0.001), budget: 0.2 };
-    let (mut grown, textures) = encode_paper(&sets, &params, books.clone(), &|_| {}).unwrap();
+    let (mut grown, textures) = encode_paper(&sets, &params, books.clone(), &Job::new()).unwrap();
     assert!(starts_with(&grown.p4, &books.p4) && starts_with(&grown.m, &books.m));
     assert!(grown.p1.values.starts_with(&books.p1.values));
     materials.extend(textures.into_iter().map(|texture| material(&second, texture)));
@@ -234,7 +247,8 @@ fn textures_share_all_books_but_rows_of_p4() {
     let surveys = sources.each_ref().map(|source| survey(source, &resampler(source)));
     let sizes = CodebookSizes { p4: 65, ..SIZES };
     let Encoded { mut books, index, scale, .. } =
-        encode_refined(&surveys, &sizes, empty(&sources[0], Chroma::Relative));
+        encode_refined(&surveys, &sizes, empty(&sources[0], Chroma::Relative), &Job::new())
+            .unwrap();
     // 144 and 64 texels share 65 rows in proportion.
     assert_eq!((index.len(), books.p4.rows()), (208, 65));
     let (first, second) = index.split_at(144);
@@ -273,12 +287,12 @@ fn tabulated_brdfs_are_texels_too() {
     assert!(table.push(|_, _| [f32::NAN; 3]).is_err());
     assert_eq!(table.len(), 3);
     let surveys =
-        [ProjectedTexels::of(&[TexelSet::Nodes(&table)], ProjectionParams::default(), &|_| {})
+        [ProjectedTexels::of(&[TexelSet::Nodes(&table)], ProjectionParams::default(), &Job::new())
             .unwrap()];
     let bits = ScaleBits::refined(Encoding::Linear);
-    let sizes = choose_sizes(&surveys, &bits, 100_000).unwrap();
+    let sizes = choose_sizes(&surveys, &bits, 100_000, &Job::new()).unwrap();
     let empty = Codebooks::new(grid, Encoding::Linear, Chroma::Relative);
-    let encoded = encode_refined(&surveys, &sizes, empty);
+    let encoded = encode_refined(&surveys, &sizes, empty, &Job::new()).unwrap();
     let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
     let info = TextureInfo {
         name: "three".to_owned(),
@@ -400,7 +414,7 @@ fn too_few_bytes_are_said_to_be_too_few() {
     let source = Formula::new(8, 0.2, Encoding::Srgb);
     let resampler = resampler(&source);
     let survey = survey(&source, &resampler);
-    let refused = fit_lpca(&survey, 1000, 1).unwrap_err();
+    let refused = fit_lpca(&survey, 1000, 1, &Job::new()).unwrap_err();
     assert!(refused.to_string().contains("1000 bytes are too few"), "{refused}");
 }
 

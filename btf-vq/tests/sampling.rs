@@ -4,6 +4,8 @@
 
 mod support;
 
+use brdf_job::Job;
+use brdf_model::DirectionSampler as _;
 use btf_vq::{
     Chroma, CodebookSizes, Encoding, IndexCodebook, LightQuery, ProjectedTexels, ProjectionParams,
     SampledLight, ScaleBits, TexelSet, VqModel, encode_refined,
@@ -16,9 +18,10 @@ fn model() -> VqModel {
     let resampler = resampler(&source);
     let sets = [TexelSet::Images { source: &source, resampler: &resampler }];
     let params = ProjectionParams { dims: 40, sample: 64 };
-    let surveys = [ProjectedTexels::of(&sets, params, &|_| {}).unwrap()];
+    let surveys = [ProjectedTexels::of(&sets, params, &Job::new()).unwrap()];
     let sizes = CodebookSizes { p4: 32, p3: 100, p2: 100, p1: 80, i2: 8, i1: 8, c: 8 };
-    let encoded = encode_refined(&surveys, &sizes, empty(&source, Chroma::Relative));
+    let encoded =
+        encode_refined(&surveys, &sizes, empty(&source, Chroma::Relative), &Job::new()).unwrap();
     let texture = IndexCodebook { len: 1, index: encoded.index, scale: encoded.scale };
     let mut books = encoded.books;
     let mut materials = [material(&source, texture)];
@@ -98,7 +101,7 @@ fn samples_follow_their_density_and_it_integrates_to_one() {
         let mut lights = vec![SampledLight::default(); queries.len()];
         decoder.sample_lights(&queries, &mut lights);
         for (LightQuery { u: [u1, u2], .. }, drawn) in queries.into_iter().zip(lights) {
-            let (wi, pdf) = sampler.sample(u1, u2);
+            let (wi, pdf) = sampler.sample([u1, u2]);
             assert!((pdf - sampler.pdf(wi)).abs() < 1e-3 * (1.0 + pdf), "{wi}");
             tabulated[bin(wi)] += 1.0;
             assert!(

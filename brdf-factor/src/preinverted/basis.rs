@@ -1,4 +1,4 @@
-//! The constraint matrix by its singular vectors.
+//! The constraint matrix, given by its singular vectors.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, Side};
@@ -6,23 +6,25 @@ use serde::{Deserialize, Serialize};
 
 use crate::{FactorError, NormalEquations};
 
-/// What becomes of small singular values s_i of K.
+/// A way to damp small singular values s_i, of K in all: the number that takes the place of 1 / s_i.
+///
+/// Source: Jaroszkiewicz and McCool 2003, section 3.2.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Damping {
-    /// 1 / s_i.
+    /// No damping: 1 / s_i.
     Truncated,
-    /// (1 − i / K) / s_i (Eq. 8).
+    /// Linear damping: (1 − i / K) / s_i (Eq. 8).
     Linear,
-    /// s_i / (s_i² + α²), α as a share of the largest singular value (Eq. 7).
+    /// Damping by α: s_i / (s_i² + α²), with α a share of the largest singular value (Eq. 7).
     Alpha(f64),
 }
 
 /// Singular values below this share of the largest are left out.
 const LEAST: f64 = 1e-7;
 
-/// Right singular vectors v_i of the constraint matrix and what each counts.
+/// The right singular vectors v_i of the constraint matrix B, with a weight for each.
 ///
 /// The paper keeps the left vectors too, to multiply the samples with. Since u_i = B v_i / s_i, the
 /// sparse Bᵀ and v_i do the same with as many numbers as there are texels instead of samples.
@@ -36,7 +38,7 @@ pub struct SpectralBasis {
 }
 
 impl SpectralBasis {
-    /// A basis from its parts; none unless they fit together.
+    /// Returns the basis of these parts, or `None` unless they fit together.
     pub fn from_parts(unknowns: usize, vectors: Vec<f64>, weights: Vec<f64>) -> Option<Self> {
         let fits = unknowns > 0
             && !weights.is_empty()
@@ -80,22 +82,22 @@ impl SpectralBasis {
         Ok(Self { unknowns, vectors, weights })
     }
 
-    /// Number of texels.
+    /// Returns the number of texels.
     pub fn unknowns(&self) -> usize {
         self.unknowns
     }
 
-    /// Number of vectors.
+    /// Returns the number of vectors.
     pub fn components(&self) -> usize {
         self.weights.len()
     }
 
-    /// The vectors, `[component][unknown]`.
+    /// Returns the vectors, `[component][unknown]`.
     pub fn vectors(&self) -> &[f64] {
         &self.vectors
     }
 
-    /// What v_iᵀBᵀy is multiplied by to give β_i.
+    /// Returns the weights: v_iᵀBᵀy times weight i is the coefficient β_i.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
@@ -117,7 +119,7 @@ impl SpectralBasis {
         }
     }
 
-    /// Texels, `[channel][unknown]`, of β, `[channel][component]`.
+    /// Writes the texels, `[channel][unknown]`, of coefficients β, `[channel][component]`, to `out`.
     pub fn expand(&self, coefficients: &[f64], out: &mut [f64]) {
         let (unknowns, count) = (self.unknowns, self.components());
         let channels = coefficients.len() / count;

@@ -1,7 +1,8 @@
-//! Factorization with the matrix inverted beforehand: where samples lie stays, their values change.
+//! Factorization with the matrix inverted beforehand, for samples at fixed places whose values change.
 //!
-//! The constraint matrix depends on positions and coordinates alone. Inverted once, each new set of
-//! values costs a product with its transpose and two triangular solves, or a product with a basis.
+//! The constraint matrix depends on the places and coordinates of the samples alone. Once it is inverted,
+//! each new set of values costs a product with its transpose and two triangular solves, or a product with
+//! a basis.
 //!
 //! Source: Jaroszkiewicz and McCool 2003, section 3.2.
 
@@ -25,42 +26,42 @@ use crate::{
     Weight,
 };
 
-/// The factors that are solved for.
+/// The factors that a [`Preinverted`] solves for, and the sizes of their textures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
-    /// Factors of directions and the texels along a side of each.
+    /// Factors over directions and the number of texels along a side of each.
     pub factors: Vec<(FactorSpec, usize)>,
-    /// A factor over the surface: texels a side, and whether u wraps around.
+    /// A factor over the surface: the number of texels along a side, and whether u wraps around.
     pub surface: Option<(usize, bool)>,
 }
 
 impl Plan {
-    /// Factors of one size, none over the surface.
+    /// Returns the plan of these factors, all of one texture size, with none over the surface.
     pub fn of(specs: &[FactorSpec], size: usize) -> Self {
         Self { factors: specs.iter().map(|spec| (spec.clone(), size)).collect(), surface: None }
     }
 
-    /// The same beside a factor over the surface.
+    /// Returns the plan with a factor over the surface added.
     #[must_use]
     pub fn with_surface(self, size: usize, wraps: bool) -> Self {
         Self { surface: Some((size, wraps)), ..self }
     }
 }
 
-/// How the matrix is inverted.
+/// A way to invert the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Inversion {
-    /// A Cholesky factor of the normal equations: the least-squares solution.
+    /// By a Cholesky factor of the normal equations, which gives the least-squares solution.
     Cholesky,
-    /// The leading singular vectors of the constraint matrix: regularized solutions, and coefficients
-    /// that stand for a material.
+    /// By the leading singular vectors of the constraint matrix, which gives regularized solutions, and
+    /// coefficients that describe a material.
     Svd {
-        /// How many at most; those below 1e-7 of the largest singular value are left out.
+        /// Largest number of vectors; those below 1e-7 of the largest singular value are left out.
         components: usize,
-        /// What becomes of small singular values.
+        /// The damping of small singular values.
         damping: Damping,
     },
 }
@@ -68,9 +69,9 @@ pub enum Inversion {
 /// An inverted matrix.
 #[derive(Clone, Debug)]
 pub enum Inverse {
-    /// See [`Inversion::Cholesky`].
+    /// That of [`Inversion::Cholesky`].
     Cholesky(CholeskyFactor),
-    /// See [`Inversion::Svd`].
+    /// That of [`Inversion::Svd`].
     Svd(SpectralBasis),
 }
 
@@ -83,7 +84,26 @@ impl Inverse {
     }
 }
 
-/// Solves for factors of samples at fixed places.
+/// A solver for the factors of samples at fixed places, with its matrix inverted beforehand.
+///
+/// ```
+/// use brdf_factor::{FactorParams, FactorSpec, Inversion, Plan, Preinverted, Problem};
+/// use brdf_model::{Channels, PairSampling, Preset, SampleSet};
+///
+/// let params = FactorParams { texture_size: 6, ..FactorParams::default() };
+/// let sampling = PairSampling { count: 1_000, seed: 1, theta_max: params.theta_max };
+/// let samples_of = |name| {
+///     let material = Preset::find(name).expect("a preset").brdf();
+///     SampleSet::draw(&material, &sampling, Channels::Luminance)
+/// };
+/// let first = Problem::new(&samples_of("plastic"), &params)?;
+/// let plan = Plan::of(&FactorSpec::mccool(true), params.texture_size);
+/// let solver = Preinverted::new(&first, &[], plan, Inversion::Cholesky)?;
+/// // Another material at the same directions needs no new matrix.
+/// let second = Problem::new(&samples_of("cook-torrance"), &params)?;
+/// assert_eq!(solver.fit(&second)?.samples_used, 1_000);
+/// # Ok::<(), brdf_factor::FactorError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Preinverted {
     plan: Plan,
@@ -97,7 +117,7 @@ pub struct Preinverted {
     inverse: Inverse,
 }
 
-/// Memory of one solution, used again for the next.
+/// The memory of one solution, which can be used again for the next.
 pub struct PreinvertedWorkspace {
     channels: usize,
     /// `[sample][channel]`.
@@ -112,15 +132,16 @@ pub struct PreinvertedWorkspace {
 }
 
 impl Preinverted {
-    /// Inverts the matrix of a problem's samples; its values do not matter. `places` are the texture
-    /// coordinates of the samples in the order in which they were handed in, where the plan has a factor
-    /// over the surface.
+    /// Returns the solver for a problem's samples; the values of the samples do not matter.
+    ///
+    /// `places` are the texture coordinates of the samples, in the order in which they were given. They
+    /// are needed where the plan has a factor over the surface.
     ///
     /// # Errors
     ///
     /// [`FactorError::Option`] where weights or the log map depend on values;
-    /// [`FactorError::TextureSize`], [`FactorError::Factors`], [`FactorError::Singular`];
-    /// [`FactorError::TooManyUnknowns`].
+    /// [`FactorError::TextureSize`] and [`FactorError::Factors`] for a plan that makes no model;
+    /// [`FactorError::Singular`] where the matrix cannot be inverted; [`FactorError::TooManyUnknowns`].
     pub fn new(
         problem: &Problem,
         places: &[DVec2],
@@ -144,13 +165,14 @@ impl Preinverted {
         Ok(Self::assemble(problem, plan, key, factors, columns, inverse))
     }
 
-    /// One that was made before, for the same samples: what [`Preinverted::key`] gave then must be that
-    /// of this problem.
+    /// Returns the solver of an inverse that was made before, for samples at the same places.
+    ///
+    /// `key` is the [`Preinverted::key`] of that time; it must be that of this problem.
     ///
     /// # Errors
     ///
     /// [`FactorError::OtherSampling`] unless positions, plan, bound, grazing limit and smoothing are the same;
-    /// else as [`Preinverted::new`].
+    /// otherwise as [`Preinverted::new`].
     pub fn restore(
         problem: &Problem,
         places: &[DVec2],
@@ -187,29 +209,30 @@ impl Preinverted {
         }
     }
 
-    /// The factors.
+    /// Returns the factors that are solved for.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// A hash of all that the inverse depends on: positions in their order, texture coordinates, factors
+    /// Returns a hash of all that the inverse depends on: positions in their order, texture coordinates, factors
     /// and their sizes, bound, grazing limit and smoothing.
     pub fn key(&self) -> &str {
         &self.key
     }
 
-    /// The inverse, to be kept for [`Preinverted::restore`].
+    /// Returns the inverse, to be stored for [`Preinverted::restore`].
     pub fn inverse(&self) -> &Inverse {
         &self.inverse
     }
 
-    /// The columns of the matrix, factor by factor, that of the surface last.
+    /// Returns the columns of the matrix, factor by factor, those of the surface last.
     pub fn columns(&self) -> &[Arc<Columns>] {
         &self.columns
     }
 
-    /// Columns of a part of the samples, or of others, in the same factors; `places` as of
-    /// [`Preinverted::new`], for all samples that the problem was made of.
+    /// Returns the columns of other samples, or of a part of the samples, in the same factors.
+    ///
+    /// `places` are as in [`Preinverted::new`], for all samples that the problem was made of.
     ///
     /// # Panics
     ///
@@ -218,28 +241,28 @@ impl Preinverted {
         columns_in(problem, places, &self.factors, self.plan.surface)
     }
 
-    /// For each sample, as columns count them, its place in the order in which they were handed in.
+    /// Returns, for each sample as columns count them, its index in the order in which they were given.
     pub fn order(&self) -> &[usize] {
         &self.order
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn samples(&self) -> usize {
         self.order.len()
     }
 
-    /// Number of texels solved for.
+    /// Returns the number of texels that are solved for.
     pub fn unknowns(&self) -> usize {
         self.columns.iter().map(|columns| columns.unknowns()).sum()
     }
 
-    /// Texels that no sample touches; smoothing alone holds them. One list for each factor, that of the
-    /// surface last.
+    /// Returns the indices of texels that no sample touches, which smoothing alone determines: one list for
+    /// each factor, that of the surface last.
     pub fn untouched_texels(&self) -> Vec<Vec<usize>> {
         self.columns.iter().map(|columns| columns.untouched_texels(&self.ones)).collect()
     }
 
-    /// Memory for solutions of this many channels.
+    /// Returns memory for solutions of this many channels.
     pub fn workspace(&self, channels: usize) -> PreinvertedWorkspace {
         let unknowns = self.unknowns();
         let (components, scratch) = match &self.inverse {
@@ -256,8 +279,10 @@ impl Preinverted {
         }
     }
 
-    /// Solves for the factors of new values, in sr⁻¹ by channel in the order in which the samples were
-    /// handed in, each fitted through its map. Allocates nothing with a Cholesky factor.
+    /// Solves for the factors of new values and leaves the solution in the workspace.
+    ///
+    /// `values` are in sr⁻¹, by channel, in the order in which the samples were given; each channel is fitted
+    /// through its map. With a Cholesky factor nothing is allocated.
     ///
     /// # Panics
     ///
@@ -307,8 +332,8 @@ impl Preinverted {
         }
     }
 
-    /// Fits a problem of samples at the places that this was made for, as
-    /// [`factorize`](crate::factorize) does.
+    /// Returns the fit of a problem whose samples lie at the places that the solver was made for, like
+    /// [`factorize`](crate::factorize).
     ///
     /// # Errors
     ///
@@ -342,8 +367,8 @@ impl Preinverted {
         })
     }
 
-    /// What the solution gives for the samples, as fitted, by channel in the order in which they were
-    /// handed in.
+    /// Returns the log values that the solution gives for the samples, by channel, in the order in which
+    /// they were given.
     pub fn predictions(&self, workspace: &PreinvertedWorkspace) -> Vec<Vec<f64>> {
         let system = LinearSystem::new(self.columns.clone(), &self.ones);
         workspace
@@ -359,7 +384,7 @@ impl Preinverted {
             .collect()
     }
 
-    /// The model of a solution, whose values were fitted through these maps.
+    /// Returns the model of the solution in a workspace, whose values were fitted through these maps.
     ///
     /// # Errors
     ///
@@ -372,7 +397,7 @@ impl Preinverted {
         self.model_of(&workspace.solution, maps)
     }
 
-    /// The same of log texels, `[channel][unknown]`.
+    /// Returns the model of log texels, `[channel][unknown]`, whose values were fitted through these maps.
     ///
     /// # Errors
     ///
@@ -425,13 +450,14 @@ impl fmt::Debug for PreinvertedWorkspace {
 }
 
 impl PreinvertedWorkspace {
-    /// Log texels of all factors, `[channel][unknown]`, factor after factor and that of the surface last.
+    /// Returns the log texels of all factors, `[channel][unknown]`, factor after factor, that of the surface
+    /// last.
     pub fn solution(&self) -> &[f64] {
         &self.solution
     }
 
-    /// Coefficients β, `[channel][component]`, which stand for the values where the basis is known;
-    /// none with a Cholesky factor.
+    /// Returns the coefficients β, `[channel][component]`, which describe the values where the basis is
+    /// known; empty with a Cholesky factor.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }

@@ -18,8 +18,8 @@ const TO_LMS: [[f64; 3]; 3] =
 const TO_ICTCP: [[f64; 3]; 3] =
     [[2048.0, 2048.0, 0.0], [6610.0, -13613.0, 7003.0], [17933.0, -17390.0, -543.0]];
 
-/// The difference at each pixel of two linear Rec. 709 pictures whose 1 is shown at 203 cd/m².
-/// Symmetric; 0 where equal; 1 is just noticeable.
+/// Returns the ΔE_ITP difference at each pixel of two linear Rec. 709 pictures whose 1 is shown at 203 cd/m² (ITU-R
+/// BT.2124). Symmetric; 0 where equal; 1 is just noticeable.
 ///
 /// # Panics
 ///

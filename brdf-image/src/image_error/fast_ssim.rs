@@ -20,7 +20,13 @@ const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
 /// What each plane counts for. The usual weights for colour pictures: luma carries structure.
 const PLANE_WEIGHTS: [f64; PLANES] = [0.8, 0.1, 0.1];
 
-/// Buffers for the similarity of pictures of one size; one for each thread.
+/// Scratch memory for the structural similarity of pictures of one size; one for each thread.
+///
+/// ```
+/// let grey = [128; 3 * 16 * 16];
+/// let same = brdf_image::SsimWorkspace::new(16, 16).mean_ssim(&grey, &grey);
+/// assert!((same - 1.0).abs() < 1e-6);
+/// ```
 #[derive(Clone, Debug)]
 pub struct SsimWorkspace {
     width: usize,
@@ -38,7 +44,7 @@ pub struct SsimWorkspace {
 }
 
 impl SsimWorkspace {
-    /// For pictures of this size.
+    /// Returns a workspace for pictures of this size.
     ///
     /// # Panics
     ///
@@ -58,9 +64,11 @@ impl SsimWorkspace {
         }
     }
 
-    /// The mean similarity of two sRGB-encoded pictures, three bytes a pixel, row by row: of their
-    /// full-range ITU-R BT.601 planes Y', Cb and Cr, unrounded, weighted .8, .1, .1. Mirrored at the
-    /// rim as [`ssim_map`](super::ssim_map) is, and within 1e-4 of it. Symmetric; 1 where equal.
+    /// Returns the mean similarity of two sRGB-encoded pictures, three bytes a pixel, row by row. Symmetric; 1 where
+    /// equal.
+    ///
+    /// It is that of their full-range ITU-R BT.601 planes Y', Cb and Cr, unrounded, weighted .8, .1, .1; mirrored at
+    /// the rim as [`ssim_map`](super::ssim_map) is, and within 1e-4 of it.
     ///
     /// # Panics
     ///

@@ -10,7 +10,7 @@ use brdf_model::decode_srgb;
 use super::Planes;
 use super::filter::{Border, gaussian, offsets, separable};
 
-/// A display 0.7 m wide with 3840 pixels, seen from 0.7 m.
+/// Pixels in a degree of the viewer's field, for a display 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 
 /// Contrast sensitivity of each channel of YCxCz: weights a and widths b of a sum of Gaussians,
@@ -27,8 +27,8 @@ const KNEE: f64 = 0.4;
 const KNEE_ERROR: f64 = 0.95;
 const FEATURE_EXPONENT: f64 = 0.5;
 
-/// The error at each pixel of two sRGB-encoded pictures in [0, 1], with this many pixels in a degree
-/// of the viewer's field; values at the rim continue beyond it. Symmetric, in [0, 1], 0 where equal.
+/// Returns the ꟻLIP error at each pixel of two sRGB-encoded pictures in [0, 1], with this many pixels in a degree of
+/// the viewer's field; values at the rim continue beyond it. Symmetric, in [0, 1], 0 where equal.
 ///
 /// # Panics
 ///

@@ -20,32 +20,32 @@ pub use ssim::ssim_map;
 
 use crate::film::{Film, Pixel};
 
-/// A picture of three planes, row by row.
+/// A picture of three planes, each row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planes {
     /// Pixels in a row.
     pub width: usize,
-    /// Red, green and blue.
+    /// Values of red, green and blue.
     pub channels: [Vec<f64>; 3],
 }
 
 impl Planes {
-    /// Pixels.
+    /// Returns the number of pixels.
     pub fn len(&self) -> usize {
         self.channels[0].len()
     }
 
-    /// There are none.
+    /// Returns whether there are no pixels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.len() / self.width.max(1)
     }
 
-    /// A function of every value.
+    /// Returns the picture with `f` applied to every value.
     pub fn map(&self, f: impl Fn(f64) -> f64) -> Self {
         let channels = self.channels.each_ref().map(|plane| plane.iter().map(|v| f(*v)).collect());
         Self { width: self.width, channels }
@@ -63,13 +63,13 @@ impl Planes {
         out
     }
 
-    /// The channels of a pixel.
+    /// Returns the three channels of a pixel.
     pub fn pixel(&self, index: usize) -> [f64; 3] {
         self.channels.each_ref().map(|plane| plane[index])
     }
 }
 
-/// Measures of two pictures of an object, over its pixels.
+/// Measures of how far two pictures of an object are apart, over its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ImageErrors {
@@ -85,7 +85,17 @@ pub struct ImageErrors {
     pub without_data: usize,
 }
 
-/// Compares two films at an exposure that shows linear `1 / exposure` as white.
+/// Compares two films by four measures, at an exposure that shows linear `1 / exposure` as white.
+///
+/// ```
+/// use brdf_image::{Film, Pixel, image_errors};
+/// use brdf_model::Rgb;
+///
+/// let film = Film::new(16, vec![Pixel::Radiance(Rgb::splat(0.3), 1.0); 256]);
+/// let errors = image_errors(&film, &film, 1.0);
+/// assert_eq!(errors.psnr_db, None, "equal pictures");
+/// assert!((errors.ssim - 1.0).abs() < 1e-9 && errors.flip < 1e-9);
+/// ```
 ///
 /// # Panics
 ///
@@ -132,8 +142,8 @@ pub fn image_errors(reference: &Film, model: &Film, exposure: f64) -> ImageError
     }
 }
 
-/// 10 log10(1 / mean square difference) over the channels of masked pixels, decibels; none where
-/// they are equal.
+/// Returns the peak signal-to-noise ratio over the channels of masked pixels, 10 log10(1 / mean square difference)
+/// in decibels, or `None` where they are equal.
 pub fn psnr_db(a: &Planes, b: &Planes, mask: &[bool]) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0_f64);
     for index in (0..a.len()).filter(|&i| mask[i]) {

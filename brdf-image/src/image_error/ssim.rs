@@ -12,8 +12,8 @@ pub(super) const RADIUS: u32 = 5;
 pub(super) const C1: f64 = 0.01 * 0.01;
 pub(super) const C2: f64 = 0.03 * 0.03;
 
-/// The similarity around each pixel of two sRGB-encoded pictures in [0, 1]; mirrored at the rim.
-/// Symmetric; 1 where equal.
+/// Returns the structural similarity around each pixel of two sRGB-encoded pictures in [0, 1] (Wang et al. 2004);
+/// mirrored at the rim. Symmetric; 1 where equal.
 ///
 /// # Panics
 ///

@@ -6,25 +6,27 @@ use brdf_param::DirectionPair;
 
 use crate::Rgb;
 
-/// An anisotropic specular lobe with Schlick Fresnel over a diffuse base.
+/// The model of Ashikhmin and Shirley 2000: an anisotropic specular lobe with Schlick's Fresnel term
+/// over a diffuse base.
 ///
 /// The lobe grows without bound as 1/max(cosθi, cosθo) towards grazing; that cosine is clamped to
 /// [`AshikhminShirley::COSINE_CLAMP`] from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AshikhminShirley {
-    /// Diffuse albedo kd.
+    /// Diffuse albedo kd, [0, 1].
     pub diffuse: Rgb,
-    /// Specular reflectance at normal incidence ks.
+    /// Specular reflectance at normal incidence ks, [0, 1].
     pub specular: Rgb,
-    /// Exponent along the tangent.
+    /// Exponent along the tangent, ≥ 0.
     pub nu: f64,
-    /// Exponent along the bitangent.
+    /// Exponent along the bitangent, ≥ 0.
     pub nv: f64,
 }
 
 impl AshikhminShirley {
-    /// Smallest max(cosθi, cosθo) in the denominator of the lobe; above it lie all pairs with one
-    /// direction less than 89.94° from the normal.
+    /// Smallest value of max(cosθi, cosθo) in the denominator of the lobe.
+    ///
+    /// Only pairs with both directions more than 89.94° from the normal are below it.
     pub const COSINE_CLAMP: f64 = 1e-3;
 
     pub(super) fn value(&self, pair: &DirectionPair) -> Rgb {

@@ -4,17 +4,17 @@ use brdf_param::DirectionPair;
 
 use crate::Rgb;
 
-/// f = kD + kS (n·h)ⁿ.
+/// Blinn's model, f = kD + kS (n·h)ⁿ.
 ///
 /// Source: Cole 2002, Eq. 1.2 with kA = 0. What is printed there is a shading term, whose diffuse
 /// part already holds the cosine of the light; here that cosine is divided out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlinnPhong {
-    /// kD, in sr⁻¹.
+    /// Diffuse part kD, in sr⁻¹.
     pub diffuse: Rgb,
-    /// kS, in sr⁻¹.
+    /// Largest value of the lobe kS, in sr⁻¹.
     pub specular: Rgb,
-    /// Exponent.
+    /// Exponent n, ≥ 0.
     pub n: f64,
 }
 

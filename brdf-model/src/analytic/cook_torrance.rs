@@ -6,15 +6,17 @@ use brdf_param::DirectionPair;
 
 use crate::{Rgb, dielectric_reflectance};
 
-/// f = kd/π + F D G / (4 cosθi cosθo): Beckmann distribution, exact dielectric Fresnel,
+/// The model of Cook and Torrance, f = kd/π + F D G / (4 cosθi cosθo).
+///
+/// D is the Beckmann distribution, F the exact Fresnel reflectance of a dielectric, and
 /// G = min(1, 2 (n·h)(n·wo)/(wo·h), 2 (n·h)(n·wi)/(wo·h)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CookTorrance {
-    /// Diffuse albedo.
+    /// Diffuse albedo kd, [0, 1].
     pub diffuse: Rgb,
-    /// Index of refraction.
+    /// Index of refraction, > 0.
     pub ior: f64,
-    /// Root-mean-square slope m of the facets.
+    /// Root-mean-square slope m of the facets, > 0.
     pub slope: f64,
 }
 

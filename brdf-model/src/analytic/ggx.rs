@@ -7,19 +7,31 @@ use glam::DVec3;
 
 use crate::{Fresnel, Rgb};
 
-/// f = kd/π + F D G₂ / (4 cosθi cosθo) with the anisotropic GGX distribution and Smith's
-/// height-correlated masking and shadowing.
+/// The GGX microfacet model, f = kd/π + F D G₂ / (4 cosθi cosθo).
+///
+/// D is the anisotropic GGX distribution, G₂ Smith's height-correlated masking and shadowing.
+///
+/// ```
+/// use brdf_model::{Analytic, Brdf, Fresnel, Ggx, Rgb};
+/// use brdf_param::DirectionPair;
+///
+/// let glass = Fresnel::Dielectric { ior: 1.5 };
+/// let model = Ggx { diffuse: Rgb::BLACK, fresnel: glass, alpha_x: 0.2, alpha_y: 0.2 };
+/// let value = Analytic::Ggx(model).eval(&DirectionPair::from_angles(0.0, 0.0, 0.0, 0.0));
+/// let expected = 0.04 / (4.0 * std::f64::consts::PI * 0.2_f64.powi(2));
+/// assert!((value.g - expected).abs() < 1e-9);
+/// ```
 ///
 /// Source: Walter et al. 2007; Heitz 2014, Eq. 86 and 99.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// Diffuse albedo of the base.
+    /// Diffuse albedo kd of the base, [0, 1].
     pub diffuse: Rgb,
-    /// Reflectance of the facets.
+    /// Reflectance F of the facets.
     pub fresnel: Fresnel,
-    /// Roughness along the tangent.
+    /// Roughness along the tangent, > 0.
     pub alpha_x: f64,
-    /// Roughness along the bitangent.
+    /// Roughness along the bitangent, > 0.
     pub alpha_y: f64,
 }
 

@@ -6,21 +6,21 @@ use brdf_param::DirectionPair;
 
 use crate::Rgb;
 
-/// max(0, Cxy (wi.x wo.x + wi.y wo.y) + Cz wi.z wo.z)ⁿ, per channel.
+/// A generalized cosine lobe, max(0, Cxy (wi.x wo.x + wi.y wo.y) + Cz wi.z wo.z)ⁿ for each channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LafortuneLobe {
-    /// Coefficient of the tangent-plane part; negative for forward scattering.
+    /// Coefficient Cxy of the tangent-plane part; negative for forward scattering.
     pub cxy: Rgb,
-    /// Coefficient of the normal part.
+    /// Coefficient Cz of the normal part.
     pub cz: Rgb,
-    /// Exponent.
+    /// Exponent n.
     pub n: Rgb,
 }
 
-/// f = ρd/π + the sum of the lobes.
+/// The model of Lafortune et al. 1997, f = ρd/π + the sum of the lobes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lafortune {
-    /// Diffuse albedo ρd.
+    /// Diffuse albedo ρd, [0, 1].
     pub diffuse: Rgb,
     /// Specular, off-specular and retro-reflective lobes.
     pub lobes: Vec<LafortuneLobe>,

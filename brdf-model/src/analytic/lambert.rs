@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::Rgb;
 
-/// f = albedo / π.
+/// An ideal diffuser, f = albedo / π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lambert {
     /// Share of the light that is reflected, [0, 1].

@@ -23,24 +23,35 @@ use brdf_param::DirectionPair;
 use crate::brdf::is_lit;
 use crate::{Brdf, Rgb};
 
-/// Any of the analytic models.
+/// Any of the analytic models, as one type.
+///
+/// ```
+/// use brdf_model::{Analytic, Brdf, Lambert, Rgb};
+/// use brdf_param::DirectionPair;
+///
+/// let paper = Analytic::Lambert(Lambert { albedo: Rgb::splat(0.8) });
+/// let value = paper.eval(&DirectionPair::from_angles(0.3, 0.0, 0.6, 2.0));
+/// assert!((value.g - 0.8 / std::f64::consts::PI).abs() < 1e-12);
+/// let below = paper.eval(&DirectionPair::from_angles(0.3, 0.0, 2.0, 2.0));
+/// assert_eq!(below, Rgb::BLACK);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Analytic {
-    /// [`Lambert`].
+    /// An ideal diffuser: [`Lambert`].
     Lambert(Lambert),
-    /// [`Lafortune`].
+    /// Generalized cosine lobes: [`Lafortune`].
     Lafortune(Lafortune),
-    /// [`CookTorrance`].
+    /// Microfacets with V-groove shadowing: [`CookTorrance`].
     CookTorrance(CookTorrance),
-    /// [`AshikhminShirley`].
+    /// An anisotropic Phong lobe: [`AshikhminShirley`].
     AshikhminShirley(AshikhminShirley),
-    /// [`Plastic`].
+    /// A diffuse base with a normalized Blinn lobe: [`Plastic`].
     Plastic(Plastic),
-    /// [`BlinnPhong`].
+    /// Blinn's shading formula: [`BlinnPhong`].
     BlinnPhong(BlinnPhong),
-    /// [`Ward`].
+    /// An anisotropic Gaussian lobe: [`Ward`].
     Ward(Ward),
-    /// [`Ggx`].
+    /// Microfacets with the GGX distribution: [`Ggx`].
     Ggx(Ggx),
 }
 

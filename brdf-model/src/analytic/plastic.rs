@@ -1,4 +1,4 @@
-//! A diffuse base with a normalized Blinn lobe: the plastic of the relighting figures.
+//! A diffuse base with a normalized Blinn lobe.
 
 use std::f64::consts::PI;
 
@@ -6,14 +6,14 @@ use brdf_param::DirectionPair;
 
 use crate::Rgb;
 
-/// f = kd/π + ks (n + 2)/(8π) (n·h)ⁿ.
+/// A plastic: a diffuse base with a normalized Blinn lobe, f = kd/π + ks (n + 2)/(8π) (n·h)ⁿ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
-    /// Diffuse albedo kd.
+    /// Diffuse albedo kd, [0, 1].
     pub diffuse: Rgb,
-    /// Strength of the lobe ks.
+    /// Strength ks of the lobe.
     pub specular: f64,
-    /// Exponent.
+    /// Exponent n, ≥ 0.
     pub n: f64,
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use btf_vq::{
     AngularGrid, BtfLayout, BtfSource, BtfView, Chroma, Codebooks, CompressedTexture, Encoding,
-    IndexCodebook, Resampler, SourceError, TextureInfo, colour,
+    IndexCodebook, Resampler, SourceError, TextureInfo,
 };
 use glam::DVec3;
 
@@ -50,7 +50,7 @@ impl Formula {
             #[expect(clippy::cast_possible_truncation, reason = "pixels are f32")]
             let linear = (a * diffuse + shine * wi.z) as f32;
             match self.layout.encoding {
-                Encoding::Srgb => colour::linear_to_srgb(linear).clamp(0.0, 1.0),
+                Encoding::Srgb => brdf_model::linear_to_srgb(linear).clamp(0.0, 1.0),
                 Encoding::Linear => linear,
             }
         })

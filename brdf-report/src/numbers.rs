@@ -1,7 +1,7 @@
 //! Numbers as people read them.
 
-/// Four significant digits, in plain notation where that is short.
-pub(crate) fn significant(value: f64) -> String {
+/// Returns four significant digits, in plain notation where that is short.
+pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
@@ -15,13 +15,13 @@ pub(crate) fn significant(value: f64) -> String {
     }
 }
 
-/// The number, or a dash where there is none.
-pub(crate) fn or_dash(value: Option<f64>) -> String {
+/// Returns the number, or a dash where there is none.
+pub fn or_dash(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), significant)
 }
 
-/// A count of bytes in the unit that fits.
-pub(crate) fn bytes(count: usize) -> String {
+/// Returns a count of bytes in the unit that fits.
+pub fn bytes(count: usize) -> String {
     let real = count as f64;
     match count {
         0..1_000 => format!("{count} B"),
@@ -30,8 +30,8 @@ pub(crate) fn bytes(count: usize) -> String {
     }
 }
 
-/// A share as a percentage.
-pub(crate) fn percent(share: f64) -> String {
+/// Returns a share as a percentage.
+pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share))
 }
 

@@ -1,0 +1,128 @@
+//! Notes as sentences. What could be done about them is for front ends to add, who know what their options are called.
+
+use brdf_fit::FitNote;
+
+use crate::numbers::{percent, significant};
+
+/// Returns a note on a fit as a sentence without a full stop, so that a front end may go on.
+pub fn fit_note(note: &FitNote) -> String {
+    match note {
+        FitNote::Clamped { samples, .. } => format!(
+            "{samples} samples had a negative channel, a colour outside the gamut; it was set to 0, which log errors \
+             count heavily"
+        ),
+        FitNote::Rotated { copies, drawn: true } => {
+            format!("each pair was fitted {copies} times, turned")
+        }
+        FitNote::Rotated { copies, drawn: false } => format!(
+            "the material was taken to be isotropic: every row was fitted {copies} times, turned about the normal"
+        ),
+        FitNote::AsMeasured => "rows were fitted as measured, without turned copies".to_owned(),
+        FitNote::NotTakenIsotropic => {
+            "light comes from several azimuths, so the material was not taken to be isotropic: rows were fitted as \
+             measured"
+                .to_owned()
+        }
+        FitNote::SharedTextures => {
+            "light and viewer share textures, so every row stands for its reciprocal too".to_owned()
+        }
+        FitNote::Folds => {
+            "held-out errors are 10-fold: rows are split before they are copied, twins together".to_owned()
+        }
+        FitNote::FewIncidences { incidences } => format!(
+            "the data has only {incidences} directions of light: between them the fit is smoothing, not measurement"
+        ),
+        FitNote::Sparse { coverage } => format!(
+            "only {} of direction pairs have a row nearby: elsewhere the fit is smoothing, not measurement, and the \
+             reference sphere has holes",
+            percent(*coverage)
+        ),
+        FitNote::SearchStopped { cause, found, asked } => format!(
+            "the search was stopped ({cause}): it found models of up to {found} of {asked} projections, the best so far"
+        ),
+        FitNote::Chosen { tried, on_rows } => {
+            let tried: Vec<String> = tried
+                .iter()
+                .map(|(space, reciprocal, error)| {
+                    let kind = if *reciprocal { "reciprocal" } else { "not reciprocal" };
+                    format!("{} {kind} {}", space.name(), significant(*error))
+                })
+                .collect();
+            let on = if *on_rows { "a tenth of the rows, set aside" } else { "validation pairs" };
+            format!("chosen by the log error on {on}: {}", tried.join(", "))
+        }
+        FitNote::SearchedWithAllRows => {
+            "projections were searched with all rows, so the held-out errors are those of textures alone: a little too \
+             low"
+                .to_owned()
+        }
+        FitNote::FewRows { rows, texels } => {
+            format!("{rows} rows for {texels} texels: between the rows textures are only smoothed")
+        }
+        FitNote::NothingHeldOut => {
+            "too few rows to hold any out: nothing is known about unseen directions".to_owned()
+        }
+        FitNote::GainsEnergy { model, reference } => format!(
+            "the model reflects up to {} times the light that arrives{}",
+            significant(*model),
+            reference.map_or_else(String::new, |r| format!(" (the reference {})", significant(r)))
+        ),
+        FitNote::AlbedoOff { model, reference, factored } => format!(
+            "the model's largest albedo is {}, the reference's {}{}",
+            significant(*model),
+            significant(*reference),
+            if *factored { ": its highlights are off" } else { "" }
+        ),
+        FitNote::Interpolated => {
+            "the rows were interpolated to fill the matrix: between them nothing was measured, and no rows were held out"
+                .to_owned()
+        }
+        FitNote::Anisotropic { change } => format!(
+            "the material is anisotropic: it differs by {} when turned by a quarter, which textures of the polar angle \
+             alone cannot hold",
+            percent(*change)
+        ),
+        FitNote::WithoutLogarithm { values } => format!(
+            "{values} held-out values came out negative and have no logarithm; log errors take them as 0"
+        ),
+        FitNote::CellsFilled { cells, of } => format!(
+            "{} of {of} cells have no data of their own and took that of the nearest pair",
+            share(*cells, *of)
+        ),
+        FitNote::CellsZero { cells, of } => {
+            format!("{} of {of} cells have no data and are 0", share(*cells, *of))
+        }
+        FitNote::UnknownLines { lines } => {
+            format!("{lines} whole rows or columns have no data of their own")
+        }
+        FitNote::CellsClamped { cells } => format!("{cells} cells had a negative channel, set to 0"),
+        FitNote::NotReciprocal { asymmetry } => format!(
+            "the material is not reciprocal: ‖M − Mᵀ‖ / ‖M‖ is {}; the mean of M and Mᵀ was factored",
+            significant(*asymmetry)
+        ),
+        FitNote::GroupsCompleted { added, rank } => format!(
+            "{added} terms beyond {rank} complete groups of equal magnitude: cut in between, the result would depend on \
+             the azimuth of the frame"
+        ),
+        FitNote::GroupCut => {
+            "more terms of the same magnitude as the last follow: which of them were taken is chance".to_owned()
+        }
+        FitNote::FewTerms { found, rank } => {
+            format!("the matrix has only {found} terms above rounding in a channel, not {rank}")
+        }
+        FitNote::PowerIteration { residual } => format!(
+            "power iteration as printed: the largest residual ‖Mv − λv‖ / |λ| is {}",
+            significant(*residual)
+        ),
+        FitNote::NotConverged { residual } => format!(
+            "the iteration stopped before it met its tolerance; largest residual {}",
+            significant(*residual)
+        ),
+        // Notes that this crate does not know yet are better shown raw than lost.
+        other => format!("{other:?}"),
+    }
+}
+
+fn share(part: usize, whole: usize) -> String {
+    percent(part as f64 / whole.max(1) as f64)
+}

@@ -1,0 +1,219 @@
+//! The record of a study of several materials, with its verdict.
+
+use brdf_model::{Brdf, anisotropy};
+use brdf_param::Parametrization;
+use serde::Serialize;
+
+use crate::STUDIED;
+use crate::measure::{ParametrizationRow, StudyParams, best};
+
+/// What a study of several materials found: `report.json` of `brdf study`. The first key marks a folder of results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StudyReport {
+    /// Version of the program.
+    pub brdf: String,
+    /// Pairs that errors are measured on.
+    pub pairs: u32,
+    /// Grazing limit, degrees.
+    pub theta_max_deg: f64,
+    /// Nodes of the resampled tables.
+    pub table_nodes: usize,
+    /// How often each parametrization is best, for each figure.
+    pub wins: Vec<Wins>,
+    /// Medians over materials, for each parametrization.
+    pub medians: Vec<Medians>,
+    /// The same counts among materials with sharp and with broad highlights.
+    pub by_gloss: Vec<GlossGroup>,
+    /// The materials.
+    pub materials: Vec<StudiedMaterial>,
+    /// Materials that could not be studied, and why.
+    pub skipped: Vec<String>,
+}
+
+/// The figures of one material.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StudiedMaterial {
+    /// Its name.
+    pub material: String,
+    /// What the data is.
+    pub kind: String,
+    /// Rows were interpolated between measurements.
+    pub interpolated: bool,
+    /// Mean |f − f rotated by a quarter| over mean f: the study takes it to be 0.
+    pub anisotropy: f64,
+    /// The figures, for each parametrization.
+    pub rows: Vec<ParametrizationRow>,
+}
+
+/// How often each parametrization has the smallest value of a figure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Wins {
+    /// Which figure.
+    pub figure: &'static str,
+    /// Number of materials, for each parametrization.
+    pub counts: Vec<(Parametrization, usize)>,
+}
+
+/// Medians over materials.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Medians {
+    /// Of this parametrization.
+    pub parametrization: Parametrization,
+    /// Each figure and its median.
+    pub values: Vec<(&'static str, f64)>,
+}
+
+/// Counts among some of the materials.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GlossGroup {
+    /// Which.
+    pub group: &'static str,
+    /// How many they are.
+    pub materials: usize,
+    /// How often each parametrization is best.
+    pub wins: Vec<Wins>,
+}
+
+/// What rotating a material by a quarter may change before it is called anisotropic: tables interpolate.
+const ANISOTROPIC: f64 = 0.01;
+
+/// A figure of a row, smaller is better.
+struct Figure {
+    name: &'static str,
+    value: fn(&ParametrizationRow) -> f64,
+}
+
+/// Figures that the verdict goes by.
+const FIGURES: [Figure; 7] = [
+    Figure { name: "isolines across the axes", value: |r| r.alignment.across_axes },
+    Figure { name: "gradient along the azimuth", value: |r| r.alignment.along_azimuth },
+    Figure { name: "energy missed by 1 product", value: |r| 1.0 - r.energy[0] },
+    Figure { name: "energy missed by 4 products", value: |r| 1.0 - r.energy[2] },
+    Figure { name: "error of both radii alone", value: |r| r.radii_only },
+    Figure { name: "error of the best two coordinates", value: |r| r.bivariate.log_cosine_rms },
+    Figure { name: "error resampled at equal size", value: |r| r.resampled },
+];
+
+impl StudiedMaterial {
+    /// Returns the record of a material from the figures that [`study_material`](crate::study_material) gave.
+    /// `interpolated` says that rows of a scattered measurement were.
+    pub fn new(
+        material: String,
+        kind: &str,
+        brdf: &dyn Brdf,
+        interpolated: bool,
+        rows: Vec<ParametrizationRow>,
+    ) -> Self {
+        let anisotropy = anisotropy(brdf);
+        Self { material, kind: kind.to_owned(), interpolated, anisotropy, rows }
+    }
+
+    /// Returns whether taking the material to be isotropic changes it by more than tables interpolate.
+    pub fn is_anisotropic(&self) -> bool {
+        self.anisotropy > ANISOTROPIC
+    }
+
+    /// Resampled half/difference tables lose most where highlights are sharp: the error that groups
+    /// materials.
+    fn sharpness(&self) -> f64 {
+        let rows = self.rows.iter().map(|row| row.resampled);
+        rows.fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl StudyReport {
+    /// Returns the record of materials, with the verdict over all of them.
+    pub fn new(
+        version: &str,
+        materials: Vec<StudiedMaterial>,
+        skipped: Vec<String>,
+        params: StudyParams,
+    ) -> Self {
+        let all: Vec<&StudiedMaterial> = materials.iter().collect();
+        let mut by_sharpness = all.clone();
+        by_sharpness.sort_by(|a, b| b.sharpness().total_cmp(&a.sharpness()));
+        let (sharp, broad) = by_sharpness.split_at(by_sharpness.len().div_ceil(2));
+        let group = |group, members: &[&StudiedMaterial]| GlossGroup {
+            group,
+            materials: members.len(),
+            wins: wins(members),
+        };
+        Self {
+            brdf: version.to_owned(),
+            pairs: params.pairs,
+            theta_max_deg: params.theta_max.to_degrees(),
+            table_nodes: params.table.pow(3),
+            wins: wins(&all),
+            medians: STUDIED.into_iter().map(|p| medians(&all, p)).collect(),
+            by_gloss: vec![
+                group("harder half (largest best resampling error)", sharp),
+                group("easier half", broad),
+            ],
+            materials,
+            skipped,
+        }
+    }
+
+    /// Returns a table with a line for each material and parametrization, for spreadsheets.
+    pub fn csv(&self) -> String {
+        let mut text = String::from(
+            "material,kind,parametrization,across_axes,along_azimuth,energy_1,energy_2,energy_4,\
+             energy_8,bivariate,bivariate_error,radii_only,resampled\n",
+        );
+        for material in &self.materials {
+            for row in &material.rows {
+                let [a, b] = row.bivariate.coordinates;
+                let energy = row.energy.map(|e| e.to_string()).join(",");
+                text.push_str(&format!(
+                    "{},{},{},{},{},{energy},{a} × {b},{},{},{}\n",
+                    material.material,
+                    material.kind,
+                    row.parametrization.name(),
+                    row.alignment.across_axes,
+                    row.alignment.along_azimuth,
+                    row.bivariate.log_cosine_rms,
+                    row.radii_only,
+                    row.resampled
+                ));
+            }
+        }
+        text
+    }
+}
+
+fn wins(materials: &[&StudiedMaterial]) -> Vec<Wins> {
+    FIGURES
+        .iter()
+        .map(|figure| {
+            let winners: Vec<Parametrization> =
+                materials.iter().filter_map(|m| best(&m.rows, figure.value)).collect();
+            let count = |p| winners.iter().filter(|w| **w == p).count();
+            Wins {
+                figure: figure.name,
+                counts: STUDIED.into_iter().map(|p| (p, count(p))).collect(),
+            }
+        })
+        .collect()
+}
+
+fn medians(materials: &[&StudiedMaterial], parametrization: Parametrization) -> Medians {
+    let rows: Vec<&ParametrizationRow> = materials
+        .iter()
+        .flat_map(|m| m.rows.iter().filter(|row| row.parametrization == parametrization))
+        .collect();
+    let median = |figure: &Figure| {
+        let mut values: Vec<f64> = rows.iter().map(|row| (figure.value)(row)).collect();
+        values.sort_by(f64::total_cmp);
+        let count = values.len();
+        if count == 0 { f64::NAN } else { 0.5 * (values[(count - 1) / 2] + values[count / 2]) }
+    };
+    Medians {
+        parametrization,
+        values: FIGURES.iter().map(|figure| (figure.name, median(figure))).collect(),
+    }
+}

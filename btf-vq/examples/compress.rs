@@ -1,0 +1,74 @@
+//! Compresses a BTF that is a formula, reads a texel of it and draws lights for it.
+//!
+//! `cargo run --release -p btf-vq --example compress`
+#![allow(clippy::print_stdout, reason = "an example")]
+
+use std::ops::Range;
+
+use brdf_job::Job;
+use brdf_model::DirectionSampler as _;
+use brdf_param::spherical_direction;
+use btf_vq::{
+    BtfLayout, BtfModel, BtfRecord, BtfSource, BtfView, CompressSettings, Encoding, GridChoice,
+    SourceError, TextureInputs, compare_texture, compress,
+};
+use glam::DVec3;
+
+/// Stripes of two colours with a gloss, linear radiance under irradiance π.
+struct Stripes(BtfLayout);
+
+impl BtfSource for Stripes {
+    fn layout(&self) -> &BtfLayout {
+        &self.0
+    }
+
+    fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError> {
+        let pairs = self.0.views.iter().flat_map(|v| v.lights.iter().map(|wi| (*wi, v.wo)));
+        for ((wi, wo), image) in pairs.zip(out.chunks_exact_mut(3 * texels.len())) {
+            let gloss = 0.3 * (wi + wo).normalize_or(DVec3::Z).z.powi(20);
+            for (texel, rgb) in texels.clone().zip(image.as_chunks_mut::<3>().0) {
+                let albedo = if texel / 2 % 2 == 0 { [0.7, 0.3, 0.2] } else { [0.2, 0.4, 0.6] };
+                #[expect(clippy::cast_possible_truncation, reason = "images are f32")]
+                let value = albedo.map(|a| (wi.z * (a + gloss)) as f32);
+                *rgb = value;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let degrees = |(theta, phi): (u32, u32)| [theta, phi].map(|d| f64::from(d).to_radians());
+    let directions: Vec<DVec3> = btf_synth::ubo_directions()
+        .into_iter()
+        .map(|angles| {
+            let [theta, phi] = degrees(angles);
+            spherical_direction(theta, phi)
+        })
+        .collect();
+    let views = directions.iter().map(|wo| BtfView { wo: *wo, lights: directions.clone() });
+    let stripes = Stripes(BtfLayout {
+        width: 16,
+        height: 16,
+        views: views.collect(),
+        encoding: Encoding::Linear,
+        cosine_included: true,
+    });
+    let grid = GridChoice { nodes: Some([7, 7, 5, 8]), ..GridChoice::default() };
+    let inputs = TextureInputs::images(vec![("stripes".to_owned(), &stripes)], grid, false);
+    let settings = CompressSettings { ratio: 700.0, ..CompressSettings::default() };
+    let bytes = |model: &BtfModel, _: &BtfRecord| model.stream_bytes().iter().map(|s| s.1).sum();
+    let model = compress(&inputs, &settings, None, &bytes, &Job::new())?.model;
+    for (name, bytes) in model.stream_bytes() {
+        println!("{name}: {bytes} bytes");
+    }
+    let reader = model.reader(0).ok_or("one texture")?;
+    let fidelity = compare_texture(&stripes, &reader, &Job::new())?;
+    println!("of {} raw bytes; PSNR {:.1} dB", inputs.raw_bytes, fidelity.psnr);
+
+    let (wo, texel) = (spherical_direction(0.6, 0.3), 5);
+    let (wi, pdf) = reader.light_sampler(0, texel, wo).sample([0.3, 0.7]);
+    let radiance = reader.linear(0, texel, &reader.taps(wi, wo));
+    println!("light drawn at {wi:.2}, {pdf:.2} per sr: radiance {radiance:.3?}");
+    Ok(())
+}
