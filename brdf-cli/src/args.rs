@@ -3,8 +3,12 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use brdf_io::{ColumnMap, Overwrite, ReadOptions, write_atomically};
+use brdf_container::MaterialFile;
+use brdf_files::{FileError, MappedFile, OutputFolder, Overwrite, write_atomically};
+use brdf_io::{ColumnMap, ReadOptions};
 use brdf_model::{Channels, MerlLookup, MerlNodes};
+use brdf_render::{DirectionalLight, Environment, Light};
+use brdf_report::ResultFile;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, ValueEnum};
 
@@ -33,6 +37,11 @@ impl ReadArgs {
     /// Where in its cell a MERL value stands.
     pub(crate) fn nodes(&self) -> MerlNodes {
         self.merl_nodes.into()
+    }
+
+    /// Opens a material.
+    pub(crate) fn open(&self, name: &str) -> anyhow::Result<MaterialFile> {
+        Ok(MaterialFile::open(name, &self.options())?)
     }
 
     pub(crate) fn options(&self) -> ReadOptions {
@@ -85,9 +94,9 @@ impl PairArgs {
         self.max_theta_deg.map(f64::to_radians)
     }
 
-    /// The channels to work on, given those that a material has.
-    pub(crate) fn channels(&self, native: Channels) -> Channels {
-        if self.luminance { Channels::Luminance } else { native }
+    /// The channels that were asked for, if any were.
+    pub(crate) fn channels(&self) -> Option<Channels> {
+        self.luminance.then_some(Channels::Luminance)
     }
 }
 
@@ -140,6 +149,44 @@ pub(crate) struct LightArgs {
     /// right, 90 above) [default: 30,135]
     #[arg(long, value_name = "THETA,PHI", value_parser = two_angles, allow_hyphen_values = true)]
     pub(crate) light_deg: Option<[f64; 2]>,
+}
+
+impl LightArgs {
+    /// The light that was asked for.
+    pub(crate) fn open(&self) -> anyhow::Result<Light> {
+        if let Some(path) = &self.env {
+            return Ok(Light::Environment(environment(path)?));
+        }
+        let light = self.light_deg.map_or_else(DirectionalLight::default, |[theta, phi]| {
+            DirectionalLight { theta: theta.to_radians(), phi: phi.to_radians() }
+        });
+        Ok(Light::Directional(light))
+    }
+}
+
+/// A lat-long Radiance HDR environment.
+pub(crate) fn environment(path: &Path) -> Result<Environment, FileError> {
+    let bytes = MappedFile::open(path)?;
+    Environment::from_hdr(&bytes).map_err(FileError::content(path))
+}
+
+/// Writes the files of a folder of results.
+pub(crate) fn write_all(folder: &mut OutputFolder, files: &[ResultFile]) -> Result<(), FileError> {
+    files.iter().try_for_each(|file| folder.write(&file.name, &file.bytes))
+}
+
+/// The command line, quoted where a shell would need it.
+pub(crate) fn command_line() -> String {
+    let quoted = |word: String| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,@%+".contains(c);
+        if !word.is_empty() && word.chars().all(plain) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("brdf".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 /// Bytes from a number with an optional unit: 500M, 1.5G.

@@ -1,7 +1,8 @@
 //! The choices of `brdf factor` and the library's enums behind them, so that libraries know no clap.
 
-use brdf_factor::{Coordinate, FactorSpec, LogTransform, Weight};
-use brdf_param::{Bound, HemisphereMap, Parametrization, Space};
+use brdf_factor::{LogTransform, Weight};
+use brdf_fit::{FixedFactors, Reciprocity, SeparableMap};
+use brdf_param::{Bound, Parametrization, Space};
 use brdf_search::Objective;
 use clap::ValueEnum;
 
@@ -127,25 +128,14 @@ pub(crate) enum EigenSolverArg {
     Power,
 }
 
-impl MapArg {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Orthographic => "orthographic",
-            Self::Polar => "polar",
-            Self::Parabolic => "parabolic",
-            Self::Spherical => "spherical",
-            Self::Merl => "merl",
-        }
-    }
-
-    /// The map, unless it is a grid of its own.
-    pub(crate) fn hemisphere(self) -> Option<HemisphereMap> {
-        match self {
-            Self::Orthographic => Some(HemisphereMap::OrthographicDisc),
-            Self::Polar => Some(HemisphereMap::Polar),
-            Self::Parabolic => Some(HemisphereMap::Parabolic),
-            Self::Spherical => Some(HemisphereMap::Spherical),
-            Self::Merl => None,
+impl From<MapArg> for SeparableMap {
+    fn from(map: MapArg) -> Self {
+        match map {
+            MapArg::Orthographic => Self::Orthographic,
+            MapArg::Polar => Self::Polar,
+            MapArg::Parabolic => Self::Parabolic,
+            MapArg::Spherical => Self::Spherical,
+            MapArg::Merl => Self::Merl,
         }
     }
 }
@@ -193,31 +183,23 @@ impl SpaceArg {
     }
 }
 
-impl ReciprocityArg {
-    /// Whether light and viewer share textures; both where that is to be found out.
-    pub(crate) fn candidates(self) -> &'static [bool] {
-        match self {
-            Self::On => &[true],
-            Self::Off => &[false],
-            Self::Auto => &[true, false],
+impl From<ReciprocityArg> for Reciprocity {
+    fn from(reciprocity: ReciprocityArg) -> Self {
+        match reciprocity {
+            ReciprocityArg::On => Self::On,
+            ReciprocityArg::Off => Self::Off,
+            ReciprocityArg::Auto => Self::Auto,
         }
     }
 }
 
-impl BesideArg {
-    pub(crate) fn specs(self, reciprocal: bool) -> Vec<FactorSpec> {
-        let one = |coordinate| {
-            if reciprocal {
-                FactorSpec::reciprocal(coordinate)
-            } else {
-                FactorSpec::single(coordinate)
-            }
-        };
-        match self {
-            Self::Mccool => FactorSpec::mccool(reciprocal),
-            Self::Radial => FactorSpec::radial(reciprocal),
-            Self::H => vec![one(Coordinate::H)],
-            Self::D => vec![one(Coordinate::D)],
+impl From<BesideArg> for FixedFactors {
+    fn from(beside: BesideArg) -> Self {
+        match beside {
+            BesideArg::Mccool => Self::McCool,
+            BesideArg::Radial => Self::Radial,
+            BesideArg::H => Self::H,
+            BesideArg::D => Self::D,
         }
     }
 }

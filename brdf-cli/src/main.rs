@@ -1,16 +1,11 @@
 //! The `brdf` command: parse, run, exit code.
 
+mod advice;
 mod args;
 mod choices;
 mod commands;
-mod fitting;
 mod meshes;
-mod numbers;
-mod pictures;
 mod progress;
-mod report;
-mod searching;
-mod subject;
 
 use std::io::{self, ErrorKind, Write as _};
 use std::process::ExitCode;
@@ -43,6 +38,6 @@ fn explain(error: &anyhow::Error) -> ExitCode {
         let _ = usage.print();
         return ExitCode::from(2);
     }
-    let _ = writeln!(io::stderr(), "brdf: {error:#}");
+    let _ = writeln!(io::stderr(), "brdf: {error:#}{}", advice::on_error(error));
     ExitCode::FAILURE
 }

@@ -3,8 +3,8 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use brdf_io::read_mesh;
-use brdf_mesh::{Camera, Mesh, Soup, UvSource};
+use brdf_files::{FileError, MappedFile};
+use brdf_mesh::{Camera, Mesh, MeshNotes, Soup, UvSource, parse_mesh};
 use clap::ValueEnum;
 use glam::DVec3;
 
@@ -107,4 +107,8 @@ pub(crate) fn open_mesh(path: &Path, uv: Option<UvSource>) -> anyhow::Result<Mes
         Some(UvSource::File) if mesh.uv_source() == UvSource::File => mesh,
         Some(UvSource::File) => return Err(brdf_mesh::MeshError::NoTextureCoordinates.into()),
     })
+}
+
+fn read_mesh(path: &Path) -> Result<(Mesh, MeshNotes), FileError> {
+    parse_mesh(&MappedFile::open(path)?).map_err(FileError::content(path))
 }

@@ -1,34 +1,53 @@
-//! Progress on a terminal, silence elsewhere.
+//! Progress on a terminal, silence elsewhere; Ctrl-C asks long work to stop.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 use std::time::Duration;
 
+use brdf_job::{Cancel, Job, Progress};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
-/// Steps of a command, weighted by how long they take. Draws on standard error, and only if that
-/// is a terminal.
-pub(crate) struct Progress(ProgressBar);
+/// Parts of the bar.
+const LENGTH: f64 = 10_000.0;
 
-impl Progress {
-    /// A bar for this much work.
-    pub(crate) fn new(work: u64) -> Self {
-        let bar = ProgressBar::new(work);
+/// Shows the progress of a command's jobs on standard error if that is a terminal, and asks them to stop at the first
+/// Ctrl-C; the second ends the program. A command has one.
+pub(crate) struct Watch {
+    bar: ProgressBar,
+    cancel: Cancel,
+}
+
+impl Watch {
+    pub(crate) fn start() -> Self {
+        let bar = ProgressBar::new(LENGTH as u64);
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {bar:24} {left}") {
             bar.set_style(style.with_key("left", left));
         }
         bar.enable_steady_tick(Duration::from_millis(120));
-        Self(bar)
+        let cancel = Cancel::new();
+        let flag = cancel.clone();
+        // Without a handler Ctrl-C simply ends the program, which leaves old outputs whole.
+        let _ = ctrlc::set_handler(move || {
+            if flag.cancel() {
+                std::process::exit(130);
+            }
+        });
+        Self { bar, cancel }
     }
 
-    /// Names the step that begins.
+    /// Does work whose progress is shown.
+    pub(crate) fn run<T>(&self, work: impl FnOnce(&Job<'_>) -> T) -> T {
+        let show = |progress: &Progress<'_>| {
+            self.bar.set_message(progress.stage.to_owned());
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share")]
+            self.bar.set_position((progress.fraction * LENGTH) as u64);
+        };
+        work(&Job::watched_by(&show).with_cancel(&self.cancel))
+    }
+
+    /// Names work that does not say how far it is.
     pub(crate) fn step(&self, message: impl Into<Cow<'static, str>>) {
-        self.0.set_message(message);
-    }
-
-    /// Work that is done.
-    pub(crate) fn done(&self, work: u64) {
-        self.0.inc(work);
+        self.bar.set_message(message);
     }
 }
 
@@ -48,8 +67,8 @@ fn left(state: &ProgressState, out: &mut dyn Write) {
     };
 }
 
-impl Drop for Progress {
+impl Drop for Watch {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }

@@ -1,6 +1,6 @@
 //! Materials by what people call them: a preset, a file of any format, a material of an archive.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use brdf_files::{FileError, MappedFile};
 use brdf_fit::{FactoredModel, Material, SeparableModel};
@@ -220,28 +220,4 @@ fn content_of(contained: Contained) -> Result<Content, FormatError> {
             Content::Measured(Measured::Samples(Box::new(ScatteredBrdf::new(samples))))
         }
     })
-}
-
-/// Returns names and files of the materials in a folder, in alphabetical order: plain files by their stem, folders of
-/// results by the model in them.
-///
-/// # Errors
-///
-/// [`FileError::File`] for a folder that cannot be read.
-pub fn materials_in(folder: &Path) -> Result<Vec<(String, PathBuf)>, FileError> {
-    let refused = || FileError::file(folder, "looking into");
-    let entries = std::fs::read_dir(folder).map_err(refused())?;
-    let mut found = Vec::new();
-    for entry in entries {
-        let path = entry.map_err(refused())?.path();
-        let model = path.join("model.safetensors");
-        let name = |part: Option<&std::ffi::OsStr>| part.map(|n| n.to_string_lossy().into_owned());
-        if model.is_file() {
-            found.extend(name(path.file_name()).map(|name| (name, model)));
-        } else if path.is_file() {
-            found.extend(name(path.file_stem()).map(|name| (name, path.clone())));
-        }
-    }
-    found.sort();
-    Ok(found)
 }

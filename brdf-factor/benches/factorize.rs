@@ -1,6 +1,6 @@
 //! Speed of fitting and of evaluating factored models, one thread.
 //!
-//! `cargo bench -p brdf-factor`. The figures that this machine printed stand in ARCHITECTURE.md.
+//! `cargo bench -p brdf-factor`. Measured figures stand in ARCHITECTURE.md.
 
 use std::hint::black_box;
 

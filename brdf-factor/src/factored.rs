@@ -53,8 +53,9 @@ impl FactorDescription {
     ///
     /// # Errors
     ///
-    /// [`FactorError::TextureSize`] for a size outside [`Grid::SIZES`]; [`FactorError::Factors`] unless there are coordinates, all of
-    /// the grid's dimension, and radii and extent are positive and finite.
+    /// [`FactorError::TextureSize`] for a size outside [`Grid::SIZES`]; [`FactorError::Factors`]
+    /// unless there are coordinates, all of the grid's dimension, and radii and extent are positive
+    /// and finite.
     pub fn check(&self) -> Result<(), FactorError> {
         if !Grid::SIZES.contains(&self.grid.size) {
             let (min, max) = (*Grid::SIZES.start(), *Grid::SIZES.end());

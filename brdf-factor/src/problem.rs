@@ -21,7 +21,7 @@ use crate::{
 pub struct Problem {
     params: FactorParams,
     samples: SampleSet,
-    /// Place of every sample in the set that was handed in.
+    /// Place of every sample in the set that was given.
     origin: Vec<usize>,
     maps: Vec<ChannelTransform>,
     weights: Vec<f64>,
@@ -255,7 +255,7 @@ impl Problem {
     ///
     /// # Panics
     ///
-    /// If there are fewer places than samples were handed in, or the size is below 2.
+    /// If there are fewer places than samples were given, or the size is below 2.
     pub fn surface_columns(&self, size: usize, places: &[DVec2], wraps: bool) -> Columns {
         let sorted: Vec<DVec2> = self.origin.iter().map(|at| places[*at]).collect();
         Columns::of_surface(self, size, &sorted, wraps)

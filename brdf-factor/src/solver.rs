@@ -47,7 +47,8 @@ impl Solver {
     ///
     /// # Errors
     ///
-    /// [`FactorError::Singular`] where the normal equations cannot be factored; [`FactorError::TooManyUnknowns`] for [`Solver::Cholesky`].
+    /// [`FactorError::Singular`] where the normal equations cannot be factored;
+    /// [`FactorError::TooManyUnknowns`] for [`Solver::Cholesky`].
     pub fn solve(self, system: &LinearSystem, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
         match self {
             Self::Cholesky => cholesky(system, sides),

@@ -43,7 +43,8 @@ impl SurfaceProduct {
     ///
     /// # Errors
     ///
-    /// [`FactorError::TextureSize`] for a size that a texture cannot have; [`FactorError::Factors`] for a surface with other than size² texels.
+    /// [`FactorError::TextureSize`] for a size that a texture cannot have; [`FactorError::Factors`]
+    /// for a surface with other than size² texels.
     pub fn new(
         angular: FactoredBrdf,
         surface: Option<SurfaceTexture>,
@@ -90,7 +91,8 @@ impl SurfaceProduct {
         self.angular.payload_bytes() + surface * self.angular.maps().len() * 4
     }
 
-    /// Returns f in sr⁻¹ for a pair at a place of the surface, never negative; 0 where a direction is not above the surface.
+    /// Returns f in sr⁻¹ for a pair at a place of the surface, never negative; 0 where a direction is
+    /// not above the surface.
     pub fn eval(&self, pair: &DirectionPair, uv: DVec2) -> Rgb {
         self.eval_unclamped(pair, uv).map(|v| v.max(0.0))
     }

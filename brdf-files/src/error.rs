@@ -10,37 +10,37 @@ pub enum FileError {
     /// The file system refused.
     #[error("{}: {action}: {problem}", path.display())]
     File {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was attempted.
+        /// Action that was attempted.
         action: &'static str,
-        /// What the system said.
+        /// Error of the file system.
         problem: std::io::Error,
     },
     /// A folder stands where a file was expected.
     #[error("{}: found a folder; expected a file", path.display())]
     Folder {
-        /// Which one.
+        /// Path of the folder.
         path: PathBuf,
     },
     /// A file stands where a folder should go.
     #[error("{}: found a file; expected a folder, or nothing", path.display())]
     NotAFolder {
-        /// Where.
+        /// Path of the place.
         path: PathBuf,
     },
     /// The output folder is the one that the program runs in, which cannot be replaced whole.
     #[error("{}: this is the current folder; name a new one, such as ./out", path.display())]
     CurrentFolder {
-        /// Where.
+        /// Path of the place.
         path: PathBuf,
     },
     /// Something stands where output should go.
     #[error("{}: found {found} that brdf did not write; choose another place", path.display())]
     InTheWay {
-        /// Where.
+        /// Path of the place.
         path: PathBuf,
-        /// What stands there.
+        /// Content found there.
         found: &'static str,
     },
     /// The disk has too little room.
@@ -49,7 +49,7 @@ pub enum FileError {
         path.display(), available / 1_000_000, needed / 1_000_000
     )]
     DiskFull {
-        /// What was to be written.
+        /// Path of what was to be written.
         path: PathBuf,
         /// Bytes that it takes.
         needed: u64,
@@ -59,9 +59,9 @@ pub enum FileError {
     /// The content is wrong.
     #[error("{}: {problem}", path.display())]
     Content {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it: the error of the reader.
+        /// Error of the reader: what is wrong with the content.
         problem: Box<dyn Error + Send + Sync>,
     },
 }

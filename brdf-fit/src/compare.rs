@@ -123,7 +123,12 @@ pub fn compare(
     job: &Job<'_>,
 ) -> Result<Comparison, FitError> {
     let channels = settings.channels.unwrap_or(reference.channels());
-    let samples = samples(reference, channels, settings);
+    let sampling = PairSampling {
+        count: settings.samples,
+        seed: settings.seed,
+        theta_max: settings.theta_max,
+    };
+    let samples = reference.draw(&sampling, channels);
     if samples.is_empty() {
         return Err(FitError::NothingToCompare {
             name: reference.name().to_owned(),
@@ -148,20 +153,6 @@ pub fn compare(
         clamped: samples.clamped(),
         seed: settings.seed,
     })
-}
-
-fn samples(reference: &Material<'_>, channels: Channels, settings: &CompareSettings) -> SampleSet {
-    let CompareSettings { samples: count, seed, theta_max, .. } = *settings;
-    match reference.samples() {
-        Some(rows) if settings.channels == Some(Channels::Luminance) => {
-            rows.to_luminance().within(theta_max)
-        }
-        Some(rows) => rows.within(theta_max),
-        None => {
-            let sampling = PairSampling { count, seed, theta_max };
-            SampleSet::draw(reference.brdf(), &sampling, channels)
-        }
-    }
 }
 
 /// A reference, and what is needed to judge models by it.

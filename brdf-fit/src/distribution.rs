@@ -4,8 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::compare::Comparison;
 
-/// Materials that a distribution names.
-const WORST: usize = 5;
 
 /// Models of many materials beside their references.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +44,9 @@ pub struct MeasureDistribution {
 }
 
 impl Distribution {
+    /// Materials that are named for each measure.
+    pub const WORST: usize = 5;
+
     /// Returns the distributions of the model at `index` of every comparison, which stands in a folder of this name.
     ///
     /// # Panics
@@ -73,7 +74,7 @@ impl Distribution {
                     return None;
                 }
                 let median = 0.5 * (values[(count - 1) / 2].1 + values[count / 2].1);
-                values.truncate(WORST);
+                values.truncate(Self::WORST);
                 Some(MeasureDistribution { measure: named.name.clone(), median, worst: values })
             })
             .collect();

@@ -55,7 +55,7 @@ pub use record::{
     SeparableRecord, SeparableSettingsRecord, TermRecord,
 };
 pub use report::{
-    BaselineReport, FactoredEvaluation, FactoredReport, MatrixReport, SamplesReport, SearchReport,
+    BaselineReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport, SamplesReport, SearchReport,
     SeparableEvaluation, SeparableReport, SolveReport, Tried,
 };
 pub use search::{FixedFactors, SearchSettings, Strategy};

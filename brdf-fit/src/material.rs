@@ -1,6 +1,6 @@
 //! What is fitted and compared.
 
-use brdf_model::{Brdf, Channels, SampleSet, ScatteredBrdf};
+use brdf_model::{Brdf, Channels, PairSampling, SampleSet, ScatteredBrdf};
 
 /// A material: a function of two directions, or scattered samples, with a name.
 pub struct Material<'a> {
@@ -80,6 +80,18 @@ impl<'a> Material<'a> {
             Function::Borrowed(_) => None,
             Function::Scattered(scattered) => Some(scattered.samples()),
             Function::Owned(scattered) => Some(scattered.samples()),
+        }
+    }
+
+    /// Returns pairs with their values: the rows of scattered samples within the grazing limit of `sampling`, and
+    /// pairs drawn by it of everything else.
+    pub fn draw(&self, sampling: &PairSampling, channels: Channels) -> SampleSet {
+        match self.samples() {
+            Some(rows) if channels == Channels::Luminance => {
+                rows.to_luminance().within(sampling.theta_max)
+            }
+            Some(rows) => rows.within(sampling.theta_max),
+            None => SampleSet::draw(self.brdf(), sampling, channels),
         }
     }
 }

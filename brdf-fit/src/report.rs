@@ -8,9 +8,9 @@ use brdf_param::{Parametrization, Space};
 use brdf_separable::{CellCounts, ChannelSpectrum, SeparableBrdf};
 use serde::{Deserialize, Serialize};
 
-use crate::factored::FactoredFit;
+use crate::factored::{FactoredFit, FactoredModel};
 use crate::method::{Method, SeparableMap};
-use crate::record::{Albedo, FitSettingsRecord, RankRecord, SeparableSettingsRecord, TermRecord};
+use crate::record::{Albedo, FactoredRecord, FitSettingsRecord, RankRecord, SeparableSettingsRecord, TermRecord};
 use crate::separable::SeparableFit;
 
 /// Name of a model's file in the folder of its report.
@@ -181,6 +181,32 @@ impl FactoredFit {
             },
             settings: self.settings.clone(),
             notes,
+        }
+    }
+}
+
+/// `report.json` of a model that was taken out of a larger one. The first key marks the folder as ours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct KeptReport {
+    /// Version of the program.
+    pub brdf: String,
+    /// File name of the model, within the folder.
+    pub model: String,
+    /// Of the textures.
+    pub bytes: usize,
+    /// How it was made.
+    pub fit: FactoredRecord,
+}
+
+impl KeptReport {
+    /// Returns the report of a kept model, by a program of this version.
+    pub fn new(kept: &FactoredModel, version: &str) -> Self {
+        Self {
+            brdf: version.to_owned(),
+            model: MODEL.to_owned(),
+            bytes: kept.model.payload_bytes(),
+            fit: kept.record.clone(),
         }
     }
 }

@@ -7,9 +7,9 @@ pub enum ImageError {
     /// A coder refused.
     #[error("{what}: {problem}")]
     Coder {
-        /// Which format.
+        /// Name of the format.
         what: &'static str,
-        /// What it said.
+        /// Message of the library.
         problem: String,
     },
     /// No image can have this size.
@@ -31,9 +31,9 @@ pub enum ImageError {
     /// A channel that is needed is not there.
     #[error("no channel `{channel}`; expected {expected}")]
     Channel {
-        /// Its name.
+        /// Name of the channel.
         channel: String,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
 }

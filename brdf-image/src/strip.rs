@@ -10,7 +10,7 @@ use crate::film::{Film, Pixel};
 pub struct Panel {
     /// The picture.
     pub picture: DisplayImage,
-    /// Its caption; what does not fit is cut.
+    /// Line beneath the picture; what does not fit is cut.
     pub caption: String,
 }
 

@@ -1,6 +1,6 @@
 //! Speed of reading files, one thread.
 //!
-//! `cargo bench -p brdf-io`. The figures that this machine printed stand in ARCHITECTURE.md.
+//! `cargo bench -p brdf-io`. Measured figures stand in ARCHITECTURE.md.
 
 use std::hint::black_box;
 

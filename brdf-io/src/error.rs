@@ -18,15 +18,15 @@ pub enum FormatError {
         found: usize,
         /// Bytes that should be.
         expected: usize,
-        /// What may have happened, or empty.
+        /// Hint at what may have happened, or empty.
         hint: &'static str,
     },
     /// Something that should start at an offset does not fit into the file.
     #[error("byte {offset}: {what} runs past the end of the file ({length} bytes)")]
     PastEnd {
-        /// Where it starts.
+        /// Offset where it should start, in bytes.
         offset: u64,
-        /// What it is.
+        /// Name of the part.
         what: String,
         /// Length of the file.
         length: usize,
@@ -34,31 +34,31 @@ pub enum FormatError {
     /// A field holds something else than it must.
     #[error("byte {offset}: {what} is {found}; expected {expected}")]
     Field {
-        /// Where it is.
+        /// Offset of the field, in bytes.
         offset: usize,
-        /// What it is.
+        /// Name of the field.
         what: &'static str,
-        /// What it holds.
+        /// Content found.
         found: String,
-        /// What would do.
+        /// Expected content.
         expected: String,
     },
     /// A line of text that cannot be read.
     #[error("line {line}: found {found}; expected {expected}")]
     Line {
-        /// Counted from 1.
+        /// Number of the line, counted from 1.
         line: usize,
-        /// What stands there.
+        /// Content found there.
         found: String,
-        /// What would do.
+        /// Expected content.
         expected: String,
     },
     /// The file lacks something.
     #[error("no {what}; expected {expected}")]
     Missing {
-        /// What is missing.
+        /// Name of the missing part.
         what: String,
-        /// What would do.
+        /// Expected content.
         expected: String,
     },
     /// No reader knows the content.
@@ -76,19 +76,19 @@ pub enum FormatError {
     /// The header of a table does not say what is needed.
     #[error("line {line}: found columns {}; expected {expected}", found.join(", "))]
     Columns {
-        /// Where the header stands, counted from 1.
+        /// Line of the header, counted from 1.
         line: usize,
-        /// Its names.
+        /// Names of its columns.
         found: Vec<String>,
-        /// What would do.
+        /// Expected content.
         expected: String,
     },
     /// A library refused the content.
     #[error("{what}: {problem}")]
     Library {
-        /// What was being read or written.
+        /// Name of what was being read or written.
         what: &'static str,
-        /// What the library said.
+        /// Message of the library.
         problem: String,
     },
 }

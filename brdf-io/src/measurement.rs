@@ -20,9 +20,9 @@ use crate::note::ReadNote;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// How a MERL table is interpolated; trilinear between the centres of cells by default.
+    /// Interpolation of a MERL table; trilinear between the centres of cells by default.
     pub merl_lookup: MerlLookup,
-    /// What the columns of a table mean, for headers whose names carry no unit.
+    /// Meanings of the columns of a table, for headers whose names carry no unit.
     #[cfg(feature = "table")]
     pub columns: Option<ColumnMap>,
     /// The wavelength to take from a table of several, in micrometres; the nearest one is taken, by default to 0.55
@@ -93,7 +93,7 @@ pub struct Measurement {
     pub format: Format,
     /// The material.
     pub measured: Measured,
-    /// What was assumed, chosen or changed.
+    /// Facts that were assumed, chosen or changed.
     pub notes: Vec<ReadNote>,
     /// Length of the file, in bytes.
     pub bytes: usize,

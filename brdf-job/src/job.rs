@@ -1,4 +1,4 @@
-//! The handle that long calls take.
+//! The handle that functions with long work take.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,23 +7,42 @@ use std::time::Instant;
 
 use crate::{Cancel, StopCause, Stopped};
 
-/// What a watcher is told.
+/// The state of a job, as its watcher is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress<'a> {
-    /// Name of what is being done.
+    /// Name of the stage that is running.
     pub stage: &'a str,
-    /// Work of this stage that is done, in the stage's own unit.
+    /// Amount of this stage's work that is done, in the stage's own unit.
     pub done: u64,
-    /// Work of this stage in all; 0 where nobody knows.
+    /// Amount of this stage's work in all; 0 where it is not known.
     pub total: u64,
     /// Share of the whole job that is done, [0, 1].
     pub fraction: f64,
 }
 
-/// A piece of long work as the one who does it sees it: whom to tell, and when to stop.
+/// A piece of long work: the handle by which it reports progress and learns when to stop.
 ///
 /// A job has one stage at a time. Work of several stages is [split](Job::split) into jobs of their own, whose
 /// shares of the whole are known beforehand. All methods take `&self` and may be called from several threads.
+///
+/// ```
+/// use std::sync::atomic::{AtomicU64, Ordering};
+///
+/// use brdf_job::{Job, Progress};
+///
+/// let percent = AtomicU64::new(0);
+/// let watch = |progress: &Progress<'_>| {
+///     percent.store((100.0 * progress.fraction).round() as u64, Ordering::Relaxed);
+/// };
+/// let job = Job::watched_by(&watch);
+/// let [reading, fitting] = job.split([1.0, 3.0]);
+/// reading.begin("reading", 10);
+/// reading.advance(10);
+/// assert_eq!(percent.load(Ordering::Relaxed), 25);
+/// fitting.begin("fitting", 2);
+/// fitting.advance(1);
+/// assert_eq!(percent.load(Ordering::Relaxed), 63);
+/// ```
 pub struct Job<'a> {
     watch: Option<&'a (dyn Fn(&Progress<'_>) + Sync)>,
     cancel: Option<&'a Cancel>,
@@ -51,7 +70,7 @@ impl fmt::Debug for Job<'_> {
 }
 
 impl<'a> Job<'a> {
-    /// Returns a job that nobody watches and nobody stops.
+    /// Returns a job that is not watched and never told to stop.
     pub fn new() -> Self {
         Self {
             watch: None,
@@ -64,18 +83,18 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Returns a job whose progress `watch` is told, from whichever thread makes it.
+    /// Returns a job that calls `watch` with its progress, from the thread that makes the progress.
     pub fn watched_by(watch: &'a (dyn Fn(&Progress<'_>) + Sync)) -> Self {
         Self { watch: Some(watch), ..Self::new() }
     }
 
-    /// The same job, stopped once a flag is set.
+    /// Returns the job, to be stopped once a flag is set.
     #[must_use]
     pub fn with_cancel(self, cancel: &'a Cancel) -> Self {
         Self { cancel: Some(cancel), ..self }
     }
 
-    /// The same job, stopped at an instant, or at its own deadline if that comes first.
+    /// Returns the job, to be stopped at an instant, or at its own deadline if that comes first.
     #[must_use]
     pub fn with_deadline(self, deadline: Instant) -> Self {
         let deadline = self.deadline.map_or(deadline, |own| own.min(deadline));
@@ -87,14 +106,16 @@ impl<'a> Job<'a> {
         self.deadline
     }
 
-    /// Returns one job for each weight: parts of this one that follow each other and take time in proportion.
-    /// They are told to stop when this one is.
+    /// Returns one job for each weight: parts of this job that follow each other.
+    ///
+    /// Each part has a share of the whole in proportion to its weight. The parts are told to stop when this
+    /// job is.
     pub fn split<const N: usize>(&self, weights: [f64; N]) -> [Job<'a>; N] {
         let parts = self.split_into(&weights);
         parts.try_into().unwrap_or_else(|_| unreachable!("one part for each weight"))
     }
 
-    /// The same for any number of weights.
+    /// Returns one job for each of any number of weights, as [`Job::split`] does.
     pub fn split_into(&self, weights: &[f64]) -> Vec<Job<'a>> {
         let whole: f64 = weights.iter().sum();
         let [begin, end] = self.span;
@@ -115,7 +136,7 @@ impl<'a> Job<'a> {
         weights.iter().map(part).collect()
     }
 
-    /// Begins a stage of so much work, in any unit; 0 if nobody knows how much.
+    /// Begins a stage of `total` work, in any unit; 0 if the amount is not known.
     pub fn begin(&self, stage: impl Into<String>, total: u64) {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage.into();
         self.done.store(0, Ordering::Relaxed);
@@ -123,13 +144,13 @@ impl<'a> Job<'a> {
         self.tell(0);
     }
 
-    /// Says in other words what the stage is doing; what is done stays done.
+    /// Changes the name of the stage; the work done so far still counts.
     pub fn rename(&self, stage: impl Into<String>) {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage.into();
         self.tell(self.done.load(Ordering::Relaxed));
     }
 
-    /// Adds to the work that is done.
+    /// Adds to the work of the stage that is done.
     pub fn advance(&self, work: u64) {
         let done = self.done.fetch_add(work, Ordering::Relaxed) + work;
         self.tell(done);
@@ -144,7 +165,7 @@ impl<'a> Job<'a> {
         watch(&Progress { stage: &stage, done, total, fraction: begin + share * (end - begin) });
     }
 
-    /// Returns why the work should end now, if it should.
+    /// Returns the cause for which the work should end now, or `None` if it may go on.
     pub fn stop_cause(&self) -> Option<StopCause> {
         if self.cancel.is_some_and(Cancel::is_cancelled) {
             return Some(StopCause::Cancelled);
@@ -158,7 +179,7 @@ impl<'a> Job<'a> {
         self.stop_cause().is_some()
     }
 
-    /// Goes on, or not.
+    /// Returns an error if the work should end now, for use with `?`.
     ///
     /// # Errors
     ///

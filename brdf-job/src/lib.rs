@@ -1,8 +1,10 @@
 //! Long work that can be watched and stopped.
 //!
-//! Whoever starts the work makes a [`Job`] and passes it by reference; whoever does the work says what it is
-//! doing and how far it is, and asks now and then whether to stop. Nothing here prints, and nothing runs in the
-//! background.
+//! The caller makes a [`Job`] and passes it by reference to a function that takes long. The function reports
+//! its progress to the job and asks it now and then whether to stop. The caller can watch the progress, set a
+//! deadline, or stop the work by a [`Cancel`] flag. Nothing here prints, and nothing runs in the background.
+//!
+//! # Example
 //!
 //! ```
 //! use brdf_job::{Job, Stopped};
@@ -29,3 +31,7 @@ mod stop;
 
 pub use job::{Job, Progress};
 pub use stop::{Cancel, StopCause, Stopped};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -1,10 +1,22 @@
-//! How work is asked to end early.
+//! Flags, causes and errors of work that is stopped early.
 
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag that asks jobs to stop, from any thread or from a signal handler. Clones are the same flag.
+/// A flag that asks jobs to stop. It can be set from any thread or from a signal handler.
+///
+/// Clones are the same flag.
+///
+/// ```
+/// use brdf_job::{Cancel, Job, StopCause};
+///
+/// let cancel = Cancel::new();
+/// let job = Job::new().with_cancel(&cancel);
+/// assert!(!job.is_stopped());
+/// cancel.clone().cancel();
+/// assert_eq!(job.stop_cause(), Some(StopCause::Cancelled));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
@@ -14,7 +26,7 @@ impl Cancel {
         Self::default()
     }
 
-    /// Sets the flag. Returns whether it was set before.
+    /// Sets the flag and returns whether it was set before.
     pub fn cancel(&self) -> bool {
         self.0.swap(true, Ordering::SeqCst)
     }
@@ -25,17 +37,17 @@ impl Cancel {
     }
 }
 
-/// Why work ended early.
+/// The cause for which work ended early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StopCause {
-    /// A [`Cancel`] flag was set.
+    /// By a [`Cancel`] flag that was set.
     Cancelled,
-    /// The deadline passed.
+    /// By a deadline that passed.
     Deadline,
 }
 
 impl StopCause {
-    /// Returns `interrupted` or `time limit`, as records name the cause.
+    /// Returns the name of the cause in records: `interrupted` or `time limit`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cancelled => "interrupted",
@@ -53,7 +65,7 @@ impl fmt::Display for StopCause {
 /// The error of work that was stopped before it had a result worth keeping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stopped {
-    /// Why.
+    /// Cause for which the work was stopped.
     pub cause: StopCause,
 }
 

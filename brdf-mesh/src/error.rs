@@ -9,17 +9,17 @@ pub enum MeshError {
     Empty {
         /// Triangles given.
         triangles: usize,
-        /// Those without area.
+        /// Number of triangles without area.
         degenerate: usize,
     },
     /// A corner that does not exist.
     #[error("triangle {triangle} names vertex {vertex}; the mesh has {vertices}, counted from 0")]
     Index {
-        /// Of the triangles, counted from 0.
+        /// Index of the triangle, counted from 0.
         triangle: usize,
-        /// What it names.
+        /// Vertex that it names.
         vertex: u32,
-        /// How many there are.
+        /// Number found.
         vertices: usize,
     },
     /// A number that is none.
@@ -35,9 +35,9 @@ pub enum MeshError {
     Count {
         /// Normal or texture coordinate.
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many there should be.
+        /// Number expected.
         expected: usize,
     },
     /// No texture coordinates where the file's are asked for.
@@ -46,7 +46,7 @@ pub enum MeshError {
     /// Unwrapping failed.
     #[error("unwrapping: {problem}")]
     Unwrap {
-        /// What the unwrapper says.
+        /// Message of the unwrapper.
         problem: String,
     },
     /// The parser of a format refused.
@@ -54,15 +54,15 @@ pub enum MeshError {
     Parse {
         /// PLY or OBJ.
         format: &'static str,
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
     /// Something that the file lacks.
     #[error("no {what}; expected {expected}")]
     Missing {
-        /// What is missing.
+        /// Name of the missing part.
         what: String,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
     /// More elements than the file has bytes.

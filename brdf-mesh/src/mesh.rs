@@ -18,7 +18,7 @@ pub enum UvSource {
     Sphere,
     /// Unwrapped into charts that do not overlap.
     Atlas,
-    /// Those of the file.
+    /// Texture coordinates of the file.
     File,
 }
 

@@ -1,6 +1,6 @@
 //! Speed of evaluating tables and formulas, one thread.
 //!
-//! `cargo bench -p brdf-model`. The figures that this machine printed stand in ARCHITECTURE.md.
+//! `cargo bench -p brdf-model`. Measured figures stand in ARCHITECTURE.md.
 
 use std::hint::black_box;
 

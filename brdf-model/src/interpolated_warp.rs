@@ -155,7 +155,8 @@ impl InterpolatedWarp {
     /// Returns the cumulative distribution of the pdf at (phi, theta): first along the row of `point`,
     /// then over the rows.
     ///
-    /// Points drawn from the pdf are mapped to points that are uniform on the unit square. A table that is no pdf maps every point to itself.
+    /// Points drawn from the pdf are mapped to points that are uniform on the unit square. A table
+    /// that is no pdf maps every point to itself.
     pub fn invert(&self, point: DVec2, phi: f64, theta: f64) -> DVec2 {
         let Some(cumulative) = &self.cumulative else { return point };
         let shape = &self.shape;

@@ -299,7 +299,7 @@ fn below(position: f32, count: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PairSampling, Preset};
+    use crate::{DirectionBatch, PairSampling, Preset};
 
     #[test]
     fn the_short_form_of_the_angles_equals_the_plain_one() {

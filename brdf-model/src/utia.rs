@@ -49,7 +49,8 @@ impl UtiaTable {
     ///
     /// # Errors
     ///
-    /// [`ModelError::TableSize`] for another number of values than 288²; [`ModelError::TableValue`] for a value that is not finite.
+    /// [`ModelError::TableSize`] for another number of values than 288²; [`ModelError::TableValue`]
+    /// for a value that is not finite.
     pub fn new(values: Vec<[f32; 3]>) -> Result<Self, ModelError> {
         let expected = Self::SIDE * Self::SIDE;
         if values.len() != expected {

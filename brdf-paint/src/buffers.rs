@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::PaintView;
 
-/// The surface in the middle of a pixel.
+/// The surface in the middle of a pixel, with its light and its camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelSurface {
     /// Smooth unit normal, in axes of the mesh.
@@ -17,30 +17,31 @@ pub struct PixelSurface {
     pub wo: DVec3,
     /// Texture coordinates.
     pub uv: DVec2,
-    /// How brightly the light shines on what faces it here, as a share of that at the centre of the mesh; 0 in shadow.
+    /// Irradiance of what faces the light here, as a share of that at the centre of the mesh; 0 in shadow.
     pub irradiance: f64,
 }
 
 impl PixelSurface {
-    /// Whether light and camera are above the surface, and nothing stands before the light.
+    /// Returns whether light and camera are above the surface and nothing stands before the light.
     pub fn is_seen_and_lit(&self) -> bool {
         self.wi.z > 0.0 && self.wo.z > 0.0 && self.irradiance > 0.0
     }
 }
 
-/// The pixels of a view, row by row from the top left; none where it shows nothing.
+/// The surfaces that the pixels of a view show, row by row from the top left; `None` where a pixel shows nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewBuffers {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// `[row][column]`.
+    /// Surfaces, `[row][column]`.
     pub pixels: Vec<Option<PixelSurface>>,
 }
 
 impl ViewBuffers {
-    /// Casts a ray through the middle of each pixel, and one to the light where the view has shadows.
+    /// Returns what a view of a mesh shows in a picture of `width` × `height` pixels: a ray is cast through the
+    /// middle of each pixel, and one to the light where the view has shadows.
     pub fn of(mesh: &Mesh, view: &PaintView, width: usize, height: usize) -> Self {
         let pixels = (0..height)
             .into_par_iter()

@@ -3,6 +3,13 @@
 use glam::DVec2;
 
 /// A map of weights over texture coordinates; texel (i, j) has its centre at (i + ½, j + ½) / size.
+///
+/// ```
+/// use glam::DVec2;
+///
+/// let map = brdf_paint::CoefficientMap::constant(4, true, 0.5);
+/// assert!((map.at(DVec2::new(0.3, 0.9)) - 0.5).abs() < 1e-6);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoefficientMap {
     /// Texels a side.
@@ -17,12 +24,12 @@ pub struct CoefficientMap {
 pub(crate) type MapTaps = [(usize, f32); 4];
 
 impl CoefficientMap {
-    /// The same everywhere.
+    /// Returns a map with the same value everywhere.
     pub fn constant(size: usize, wraps: bool, value: f32) -> Self {
         Self { size, wraps, values: vec![value; size * size] }
     }
 
-    /// The value at a place, linear between texels.
+    /// Returns the value at a place, linear between texels.
     pub fn at(&self, place: DVec2) -> f32 {
         read(&self.values, &taps(self.size, self.wraps, place))
     }

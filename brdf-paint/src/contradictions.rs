@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::PaintSamples;
 use crate::coefficient_map::nearest;
 
-/// How far views are from each other in what they show of each place.
+/// A measure of how far views are from each other in what they show of each place of the surface.
 ///
 /// A place that one view shows brighter than the material is and another darker cannot be both. The measure is the
 /// range, over the views, of the mean difference between a view's pixels in a cell and the material, in the channel
@@ -14,7 +14,7 @@ use crate::coefficient_map::nearest;
 pub struct Contradictions {
     /// Cells along each side of the texture coordinates.
     pub size: usize,
-    /// Of each cell, row by row from v = 0, in units of a white diffuser.
+    /// Measure of each cell, row by row from v = 0, in f π (1 is a white diffuser).
     pub apart: Vec<f32>,
 }
 
@@ -24,7 +24,7 @@ const CELLS: usize = 64;
 const LEAST_PIXELS: f64 = 4.0;
 
 impl Contradictions {
-    /// Views that are further apart than this contradict each other.
+    /// Difference beyond which views contradict each other, in f π.
     pub const THRESHOLD: f64 = 0.25;
 
     /// Of samples and what a material gives for them.
@@ -61,7 +61,7 @@ impl Contradictions {
         Self { size: CELLS, apart }
     }
 
-    /// How many cells contradict themselves.
+    /// Returns the number of cells that contradict themselves.
     pub fn count(&self) -> usize {
         self.apart.iter().filter(|apart| f64::from(**apart) > Self::THRESHOLD).count()
     }

@@ -2,7 +2,7 @@
 
 use brdf_factor::FactorError;
 
-/// Errors of this crate.
+/// A problem with pictures, views or options from which no material can be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PaintError {
@@ -15,17 +15,17 @@ pub enum PaintError {
         view: String,
         /// Pixels in a row of the picture.
         found_width: usize,
-        /// Its rows.
+        /// Rows of the picture.
         found_height: usize,
         /// Pixels in a row of the buffers.
         width: usize,
-        /// Their rows.
+        /// Rows of the view.
         height: usize,
     },
     /// Nothing painted.
     #[error("no painted pixel shows the object lit from above its surface: {skipped}")]
     NothingPainted {
-        /// What was skipped, and why.
+        /// Counts of what was skipped, by reason.
         skipped: String,
     },
     /// A light that cannot light.
@@ -37,11 +37,11 @@ pub enum PaintError {
     /// An option outside its range.
     #[error("{option} is {value}; expected {expected}")]
     Option {
-        /// Which option.
+        /// Name of the option.
         option: &'static str,
         /// The value asked for.
         value: f64,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
     /// The factorization.
@@ -50,7 +50,7 @@ pub enum PaintError {
     /// A view that does not show the object.
     #[error("view {view}: the object is not in the picture")]
     NotInView {
-        /// Which one.
+        /// Name of the view.
         view: String,
     },
     /// The work was stopped.

@@ -17,14 +17,14 @@ use crate::{
     PaintedMaterial, alternating, paper,
 };
 
-/// What kind of material.
+/// The kind of material that is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// One BRDF of three radial factors, the same everywhere.
     Brdf,
-    /// The same times a factor over the surface.
+    /// One BRDF of three radial factors, times a factor over the surface.
     FourFactor,
     /// A sum of BRDFs of three factors, weighted by maps.
     #[default]
@@ -33,7 +33,7 @@ pub enum Mode {
     Hybrid,
 }
 
-/// How a material map is found.
+/// The method by which a material map is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -46,7 +46,7 @@ pub enum SolverChoice {
     Alternating,
 }
 
-/// Which logarithm products are fitted through.
+/// The logarithm through which products are fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -67,25 +67,25 @@ impl PaintLogTransform {
     }
 }
 
-/// Options of an extraction.
+/// Options of [`extract`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PaintParams {
-    /// What is made.
+    /// Kind of material.
     pub mode: Mode,
-    /// Of material maps.
+    /// Method by which a material map is found; not used by the other kinds.
     pub solver: SolverChoice,
-    /// Summands of a material map.
+    /// Number of summands of a material map, 1 to 20.
     pub products: usize,
-    /// Texels of each radial factor.
+    /// Number of texels of each radial factor.
     pub texels: usize,
-    /// Texels a side of a factor over the surface.
+    /// Number of texels along a side of a factor over the surface.
     pub surface_size: usize,
-    /// Texels a side of the maps.
+    /// Number of texels along a side of the maps, 4 to 4096.
     pub map_size: usize,
     /// μ ≥ 0, as of [`FactorParams::smoothing`].
     pub smoothing: f64,
-    /// What products are fitted through.
+    /// Logarithm through which products are fitted.
     pub log_map: PaintLogTransform,
     /// Whether u = 0 and u = 1 are one place of the surface.
     pub wraps: bool,
@@ -150,24 +150,24 @@ impl PaintParams {
     }
 }
 
-/// A material and how it came about.
+/// The result of [`extract`]: a material and how it came about.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extraction {
     /// The material.
     pub material: PaintedMaterial,
-    /// Over the samples it was made from.
+    /// Errors over the samples it was made from.
     pub errors: PaintErrors,
-    /// Where views do not agree.
+    /// Places where views do not agree.
     pub contradictions: Contradictions,
     /// Texels of the maps that no sample touches, row by row; they were filled from around them.
     pub unconstrained: Vec<bool>,
     /// Texels of factors that no sample touches; smoothing alone holds them.
     pub smoothed_texels: usize,
-    /// Why turns ended early, if they did: the material is the best so far.
+    /// Reason why turns ended early, if they did: the material is the best so far.
     pub stopped: Option<StopCause>,
 }
 
-/// Returns the material that samples make.
+/// Fits a material to samples.
 ///
 /// # Errors
 ///

@@ -13,12 +13,12 @@ use crate::samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
 use crate::truth::GroundTruth;
 use crate::view::face_views;
 
-/// A picture to learn from.
+/// A picture to learn from, or to judge by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureInfo {
     /// Name of the view.
     pub name: String,
-    /// What a white diffuser is in it, linear RGB.
+    /// Linear RGB of a white diffuser in it.
     pub white: [f64; 3],
     /// Whether bright pixels may have been brighter than the file can hold: a photograph in whole numbers.
     pub may_be_saturated: bool,
@@ -26,10 +26,10 @@ pub struct PictureInfo {
     pub is_held_out: bool,
 }
 
-/// How a material is learned.
+/// Options of [`learn`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnParams {
-    /// What is made.
+    /// Options of the extraction.
     pub paint: PaintParams,
     /// Pixels whose cosine to the light is below this are left out.
     pub least_cosine: f64,
@@ -37,91 +37,92 @@ pub struct LearnParams {
     pub most_pixels: usize,
 }
 
-/// Something that a reader of the result should know.
+/// A fact that a reader of the result should know.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PaintNote {
     /// Pixels of a photograph are as bright as its file can hold.
     Saturated {
-        /// Which of the pictures.
+        /// Number of the picture.
         picture: usize,
-        /// How many pixels.
+        /// Number of pixels.
         pixels: usize,
     },
     /// Pixels beyond the most that are used.
     PassedOver {
-        /// How many.
+        /// Number of them.
         pixels: usize,
     },
     /// Pixels that gave no sample.
     Skipped {
-        /// Whether of held-out views.
+        /// Whether they are of held-out views.
         held_out: bool,
-        /// How many, by reason.
+        /// Counts of them, by reason.
         skipped: Skipped,
     },
     /// Values of the material that were cut.
     Clamped {
-        /// How many, by side.
+        /// Counts of them, by side.
         clamped: Clamped,
     },
     /// Texels of the maps that are in no painted pixel.
     Unconstrained {
-        /// How many.
+        /// Number of them.
         texels: usize,
-        /// Of how many.
+        /// Number of all.
         of: usize,
     },
     /// Views contradict each other.
     Contradictions {
-        /// In how many cells of the surface.
+        /// Number of cells of the surface.
         cells: usize,
-        /// Of how many.
+        /// Number of all.
         of: usize,
     },
 }
 
-/// A material, its errors, and what was left out on the way.
+/// The result of [`learn`]: a material, its errors, and what was left out on the way.
 #[derive(Clone, Debug)]
 pub struct Learned {
     /// The material.
     pub extraction: Extraction,
-    /// Samples that were learned from.
+    /// Number of samples that were learned from.
     pub samples: usize,
-    /// What gave no sample.
+    /// Counts of pixels that gave no sample.
     pub skipped: Skipped,
-    /// Over pixels of held-out views; none without such views.
+    /// Errors over pixels of held-out views; `None` without such views.
     pub held_out: Option<PaintErrors>,
     /// Pixels beyond the most that are used.
     pub passed_over: usize,
     /// Values of the material that were cut.
     pub clamped: Clamped,
-    /// What a reader should know.
+    /// Facts that a reader should know.
     pub notes: Vec<PaintNote>,
 }
 
-/// How a painted material was made, as files keep it.
+/// A record of how a painted material was made, as files keep it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PaintRecord {
     /// Options.
     pub settings: PaintParams,
-    /// Where texture coordinates are from.
+    /// Origin of the texture coordinates.
     pub uv: UvSource,
 }
 
-/// A material that pictures were rendered with.
+/// A record of the material that pictures were rendered with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TruthRecord {
     /// The materials that are blended, as they were given.
     pub materials: [String; 3],
-    /// What f π was multiplied by.
+    /// Factor by which f π was multiplied.
     pub scale: f64,
 }
 
-/// Learns a material from pictures, which `load` gives by number with the buffers of their views, and judges it by
-/// those that are held out.
+/// Learns a material from pictures and judges it by those that are held out.
+///
+/// `load` returns a picture by its number, with the buffers of its view.
 ///
 /// # Errors
 ///
@@ -217,13 +218,13 @@ pub fn truth_errors(
     Ok(samples.errors(material))
 }
 
-/// Errors on what was learned from and on what was not.
+/// Errors on the pixels that were learned from, and on those that were not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrainAndHeldOut {
-    /// Of f π, over the samples that were learned from.
+    /// Error of f π over the samples that were learned from.
     pub train: f64,
-    /// Over others; null without held-out views or a truth.
+    /// Error of f π over other samples; null without held-out views or a truth.
     pub held_out: Option<f64>,
 }
 
@@ -257,12 +258,12 @@ pub struct PaintReport {
     pub skipped: Skipped,
     /// Values of the material that were cut.
     pub clamped: Clamped,
-    /// Of the material's file.
+    /// Bytes of the material's file.
     pub bytes: usize,
-    /// Time it took.
+    /// Time that the extraction took, seconds.
     pub seconds: f64,
     /// Options.
     pub settings: PaintParams,
-    /// What a reader should know, in sentences.
+    /// Facts that a reader should know, in sentences.
     pub notes: Vec<String>,
 }

@@ -12,16 +12,16 @@ use serde::Serialize;
 
 use crate::{CoefficientMap, PaintSamples};
 
-/// One summand.
+/// One summand of a [`PaintedMaterial`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
-    /// How much of it there is where; 1 everywhere without.
+    /// Weight of the summand at each place; 1 everywhere without a map.
     pub coefficients: Option<CoefficientMap>,
-    /// Its reflectance, f π.
+    /// Reflectance of the summand, f π.
     pub product: SurfaceProduct,
 }
 
-/// Values that a material cannot have.
+/// Counts of values that a material cannot have, and that were cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Clamped {
@@ -31,7 +31,8 @@ pub struct Clamped {
     pub above_limit: usize,
 }
 
-/// A material over a surface: Σ c_j(u, v) f_j(wi, wo) (Eq. 19).
+/// A material that varies over a surface: Σ c_j(u, v) f_j(wi, wo) (Eq. 19).
+#[doc(alias = "SVBRDF")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaintedMaterial {
     /// The summands.
@@ -42,8 +43,8 @@ pub struct PaintedMaterial {
 }
 
 impl PaintedMaterial {
-    /// Samples at which a product was negative and counted as 0, or the sum above the brightest that was painted
-    /// and cut to it.
+    /// Returns how many samples have a product that was negative and counted as 0, or a sum above the brightest that
+    /// was painted, which was cut to it.
     pub fn clamped(&self, samples: &PaintSamples) -> Clamped {
         let each = samples.pairs.par_iter().zip(&samples.places).map(|(pair, place)| {
             let products = self.components.iter().map(|c| c.product.eval_unclamped(pair, *place));
@@ -59,7 +60,7 @@ impl PaintedMaterial {
         })
     }
 
-    /// f π at a place, linear RGB, from 0 to the brightest that was painted.
+    /// Returns f π at a place, linear RGB, from 0 to the brightest that was painted.
     pub fn value(&self, pair: &DirectionPair, place: DVec2) -> Rgb {
         let [r, g, b] = self.sum(pair, place).channels();
         Rgb::new(r.min(self.limit[0]), g.min(self.limit[1]), b.min(self.limit[2]))
@@ -77,7 +78,7 @@ impl PaintedMaterial {
         parts.sum()
     }
 
-    /// Values for samples, in parallel.
+    /// Returns the values, f π, at the places and directions of samples, in parallel.
     #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
     pub fn predict(&self, samples: &PaintSamples) -> Vec<[f32; 3]> {
         samples
@@ -88,7 +89,7 @@ impl PaintedMaterial {
             .collect()
     }
 
-    /// Bytes of textures and maps as stored, f32.
+    /// Returns the bytes of textures and maps as stored, `f32`.
     pub fn payload_bytes(&self) -> usize {
         let maps = self.components.iter().flat_map(|c| &c.coefficients);
         let maps: usize = maps.map(|map| 4 * map.values.len()).sum();

@@ -10,7 +10,7 @@ use crate::{CoefficientMap, PaintedImage, PaintedMaterial, ViewBuffers};
 /// Paintings are in [0, 1], and shown as they are.
 const TONE: ToneMap = ToneMap { exposure: 1.0 };
 
-/// A grey, matt object under the view's light, to paint over.
+/// Returns a grey, matt picture of the object under the view's light, to paint over.
 pub fn guide(buffers: &ViewBuffers) -> DisplayImage {
     const GREY: f64 = 0.6;
     let pixels = buffers.pixels.iter().map(|surface| match surface {
@@ -24,7 +24,7 @@ pub fn guide(buffers: &ViewBuffers) -> DisplayImage {
     TONE.apply(&Film::new(buffers.width, pixels.collect()))
 }
 
-/// The painting as far as it counts.
+/// Returns the painting as far as it counts: pixels that are painted and show the object.
 pub fn painted(buffers: &ViewBuffers, image: &PaintedImage) -> Film {
     let pixels = buffers.pixels.iter().enumerate().map(|(at, surface)| {
         if surface.is_none() || !image.is_painted(at) {
@@ -36,7 +36,7 @@ pub fn painted(buffers: &ViewBuffers, image: &PaintedImage) -> Film {
     Film::new(buffers.width, pixels.collect())
 }
 
-/// A material in a view, as it would be painted.
+/// Returns a material in a view, as it would be painted.
 pub fn reconstructed(buffers: &ViewBuffers, material: &PaintedMaterial) -> Film {
     let pixels = buffers.pixels.iter().map(|surface| match surface {
         None => Pixel::Background,
@@ -49,7 +49,7 @@ pub fn reconstructed(buffers: &ViewBuffers, material: &PaintedMaterial) -> Film 
     Film::new(buffers.width, pixels.collect())
 }
 
-/// A painting, and its difference from a material where it is painted.
+/// Returns a painting, and its difference from a material where it is painted.
 pub fn compared(
     buffers: &ViewBuffers,
     image: &PaintedImage,
@@ -66,7 +66,7 @@ pub fn compared(
     [TONE.apply(&painted), difference(&painted, &made, &TONE, DIFFERENCE_GAIN)]
 }
 
-/// Painted, reconstructed and their difference, side by side.
+/// Returns painting, reconstruction and their difference, side by side.
 pub fn view_strip(
     name: &str,
     buffers: &ViewBuffers,
@@ -82,7 +82,7 @@ pub fn view_strip(
     ])
 }
 
-/// A map in grey, v upwards; 1 is white.
+/// Returns a map in grey, v upwards; 1 is white.
 pub fn map_view(map: &CoefficientMap) -> DisplayImage {
     grid(map.size, |at| {
         let value = f64::from(map.values[at]);
@@ -90,7 +90,7 @@ pub fn map_view(map: &CoefficientMap) -> DisplayImage {
     })
 }
 
-/// Which texels no sample touches: those in violet.
+/// Returns a picture of which texels no sample touches: those in violet.
 pub fn coverage_view(size: usize, unconstrained: &[bool]) -> DisplayImage {
     grid(size, |at| {
         let colour = if unconstrained[at] { Rgb::new(0.3, 0.03, 0.4) } else { Rgb::splat(0.8) };
@@ -98,7 +98,8 @@ pub fn coverage_view(size: usize, unconstrained: &[bool]) -> DisplayImage {
     })
 }
 
-/// Where views contradict each other, in the red of how much; what lies beneath the threshold in grey.
+/// Returns a picture of where views contradict each other, in the red of how much; what lies beneath the threshold
+/// is grey.
 pub fn contradictions_view(contradictions: &Contradictions) -> DisplayImage {
     grid(contradictions.size, |at| {
         let apart = f64::from(contradictions.apart[at]);

@@ -15,33 +15,34 @@ use crate::view::PaintView;
 /// Pictures by which rendered scenes are judged, and scaled, are no larger.
 pub(crate) const JUDGED_SIZE: usize = 512;
 
-/// A view and what is painted on.
+/// A view, its buffers, and the picture that is painted on.
 #[derive(Clone, Debug)]
 pub struct PreparedView {
     /// Name of the view.
     pub name: String,
-    /// What each pixel shows.
+    /// Surfaces that the pixels show.
     pub buffers: ViewBuffers,
     /// A grey picture to paint over.
     pub guide: DisplayImage,
-    /// What the truth looks like, where there is one.
+    /// Picture of the truth, where there is one.
     pub painting: Option<PaintedImage>,
 }
 
-/// What was prepared.
+/// Counts of what was prepared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Prepared {
     /// Pixels of the object in all views.
     pub pixels: usize,
-    /// Those that are seen and lit.
+    /// Pixels of the object that are seen and lit.
     pub lit_pixels: usize,
-    /// What the truth's f π was multiplied by.
+    /// Factor by which the truth's f π was multiplied.
     pub scale: Option<f64>,
 }
 
-/// Prepares views in pictures of `size` columns and rows; `take` is given one after another. With a truth, paintings
-/// are rendered, at the scale at which nearly all of it is within [0, 1].
+/// Prepares views for painting, in pictures of `size` columns and rows, and passes them to `take` one after another.
+///
+/// With a truth, paintings are rendered, at the scale at which nearly all of it is within [0, 1].
 ///
 /// # Errors
 ///

@@ -22,7 +22,7 @@ pub struct PaintedImage {
 }
 
 impl PaintedImage {
-    /// The same divided by what a white diffuser is in it.
+    /// Returns the picture divided by what a white diffuser is in it.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
     pub fn balanced(mut self, white: [f64; 3]) -> Self {
@@ -34,27 +34,27 @@ impl PaintedImage {
         self
     }
 
-    /// Whether a pixel counts as painted.
+    /// Returns whether a pixel counts as painted.
     pub fn is_painted(&self, pixel: usize) -> bool {
         self.pixels[pixel][3] >= COVERED
     }
 }
 
-/// Pixels that give no sample, and why.
+/// Counts of pixels that give no sample, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Skipped {
-    /// Painted where the view shows nothing of the object.
+    /// Pixels painted where the view shows nothing of the object.
     pub outside: usize,
-    /// Of the object, left transparent.
+    /// Pixels of the object that were left transparent.
     pub transparent: usize,
-    /// Lit too flat, or from behind: cosine below the least.
+    /// Pixels lit too flat, or from behind: cosine below the least.
     pub grazing: usize,
-    /// In the object's own shadow.
+    /// Pixels in the object's own shadow.
     pub shadowed: usize,
-    /// Not a number, or infinite.
+    /// Pixels with a value that is not a number, or infinite.
     pub not_finite: usize,
-    /// Negative colours, set to 0; they do give samples.
+    /// Pixels of negative colours, set to 0; they do give samples.
     pub clamped: usize,
 }
 
@@ -92,39 +92,41 @@ impl fmt::Display for Skipped {
 /// Pixels below this coverage are not painted.
 const COVERED: f32 = 0.5;
 
-/// Samples of all views. Values are f π, so that a white diffuser is 1.
+/// Samples of reflectance from the pixels of all views. Values are f π, so that a white diffuser is 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PaintSamples {
-    /// Directions in the frame of the surface.
+    /// Directions to light and camera in the frame of the surface.
     pub pairs: Vec<DirectionPair>,
-    /// Texture coordinates.
+    /// Texture coordinates of each sample.
     pub places: Vec<DVec2>,
-    /// Linear RGB.
+    /// Linear RGB, f π.
     pub values: Vec<[f32; 3]>,
     /// View and pixel that each comes from.
     pub origins: Vec<(usize, usize)>,
-    /// What gave no sample.
+    /// Counts of pixels that gave no sample.
     pub skipped: Skipped,
 }
 
-/// Differences from samples over all pixels and channels.
+/// Differences from samples over all pixels and channels, in f π.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PaintErrors {
-    /// Root mean square.
+    /// Root mean square difference.
     pub rms: f64,
-    /// Largest.
+    /// Largest difference.
     pub max: f64,
 }
 
 impl PaintSamples {
-    /// No samples yet.
+    /// Returns a set without samples.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds the painted pixels of a view, `name`d for messages. A picture shows f π cosθi times the irradiance of each
-    /// pixel; pixels whose cosine is below `least_cosine` are left out.
+    /// Adds the painted pixels of a view, which `name` calls in messages.
+    ///
+    /// A picture shows f π cosθi times the irradiance of each pixel; pixels whose cosine is below `least_cosine` are
+    /// left out.
     ///
     /// # Errors
     ///
@@ -186,17 +188,17 @@ impl PaintSamples {
         self.skipped += other.skipped;
     }
 
-    /// How many there are.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.pairs.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
 
-    /// Sets values above a limit to it and returns how many.
+    /// Sets values above a limit to it, and returns how many there were.
     pub fn clip(&mut self, limit: f32) -> usize {
         let mut clipped = 0;
         for value in &mut self.values {
@@ -206,7 +208,7 @@ impl PaintSamples {
         clipped
     }
 
-    /// About `count` of the samples, evenly from all; fewer if there are fewer.
+    /// Returns about `count` of the samples, evenly from all; fewer if there are fewer.
     #[must_use]
     pub fn subset(&self, count: usize) -> Self {
         let count = count.min(self.len());
@@ -249,12 +251,12 @@ impl PaintSamples {
         set
     }
 
-    /// How far a material is from the samples.
+    /// Returns how far a material is from the samples.
     pub fn errors(&self, material: &PaintedMaterial) -> PaintErrors {
         self.errors_of(&material.predict(self))
     }
 
-    /// How far predicted values are from the samples.
+    /// Returns how far predicted values are from the samples.
     pub fn errors_of(&self, predicted: &[[f32; 3]]) -> PaintErrors {
         let (mut squares, mut max) = (0.0, 0.0_f64);
         for (found, wanted) in predicted.iter().flatten().zip(self.values.iter().flatten()) {

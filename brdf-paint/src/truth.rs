@@ -10,13 +10,14 @@ use brdf_param::DirectionPair;
 
 use crate::{PaintedImage, ViewBuffers};
 
-/// Three BRDFs blended over a surface: a wavy border between the first two, sharp on one half of the
-/// surface and soft on the other, and round spots of the third.
+/// A material whose value is known everywhere, to judge by: three BRDFs blended over a surface. A wavy border lies
+/// between the first two, sharp on one half of the surface and soft on the other, and there are round spots of the
+/// third.
 #[derive(Clone, Copy)]
 pub struct GroundTruth<'a> {
-    /// What is blended.
+    /// The BRDFs that are blended.
     pub brdfs: [&'a dyn Brdf; 3],
-    /// Values f π are multiplied by this, and clipped at 1.
+    /// Factor by which values f π are multiplied before they are clipped at 1.
     pub scale: f64,
 }
 
@@ -32,7 +33,7 @@ fn smooth_step(x: f64, width: f64) -> f64 {
 }
 
 impl GroundTruth<'_> {
-    /// Shares of the three at a place; periodic in u.
+    /// Returns the shares of the three BRDFs at a place; periodic in u.
     pub fn shares(place: DVec2) -> [f64; 3] {
         let border = 0.5 + 0.12 * (3.0 * TAU * place.x).sin();
         let width = if (place.x - 0.5).abs() < 0.25 { 0.01 } else { 0.2 };
@@ -42,7 +43,7 @@ impl GroundTruth<'_> {
         [(1.0 - third) * (1.0 - second), (1.0 - third) * second, third]
     }
 
-    /// f π, scaled and clipped.
+    /// Returns f π, scaled and clipped, at a place.
     pub fn value(&self, pair: &DirectionPair, place: DVec2) -> Rgb {
         (self.blend(pair, place) * self.scale).map(|v| v.clamp(0.0, 1.0))
     }
@@ -54,7 +55,7 @@ impl GroundTruth<'_> {
         sum * PI
     }
 
-    /// What a camera sees of it: f π cosθi in linear RGB, times the irradiance.
+    /// Returns the picture that a camera takes of it: f π cosθi in linear RGB, times the irradiance.
     #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
     pub fn paint(&self, buffers: &ViewBuffers) -> PaintedImage {
         let pixels = buffers.pixels.iter().map(|surface| match surface {
@@ -70,7 +71,7 @@ impl GroundTruth<'_> {
         PaintedImage { width: buffers.width, height: buffers.height, pixels: pixels.collect() }
     }
 
-    /// The scale at which the 99.5th percentile of all channels over these views is 1.
+    /// Returns the material with the scale at which the 99.5th percentile of all channels over these views is 1.
     pub fn scaled_for<'a>(self, views: impl IntoIterator<Item = &'a ViewBuffers>) -> Self {
         let mut values: Vec<f64> = views
             .into_iter()

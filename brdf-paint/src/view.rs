@@ -5,14 +5,14 @@ use glam::{DMat3, DVec3};
 
 use crate::PaintError;
 
-/// A camera, its light, and what its picture shows of it.
+/// A camera, its light, and what its picture shows of the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaintView {
-    /// Names its files.
+    /// Name of the view, and of its files.
     pub name: String,
-    /// Where it is seen from.
+    /// Camera that it is seen from.
     pub camera: Camera,
-    /// What lights it.
+    /// Light that it is lit by.
     pub light: LightSource,
     /// Linear RGB of a white diffuser at the centre of the mesh that faces the light: 1 of a painting,
     /// strength and colour of the light and exposure of a photograph.
@@ -24,9 +24,9 @@ pub struct PaintView {
 /// A light without size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightSource {
-    /// Infinitely far, in a unit direction.
+    /// A light infinitely far away, in a unit direction.
     Direction(DVec3),
-    /// At a place; falls off with the square of the distance.
+    /// A light at a place; it falls off with the square of the distance.
     Position(DVec3),
 }
 
@@ -34,7 +34,8 @@ pub enum LightSource {
 const LIGHT_TURN: f64 = 30.0;
 
 impl PaintView {
-    /// A view of all of a mesh from a unit direction, lit without shadows from there but turned about the vertical.
+    /// Returns a view of all of a mesh from a unit direction, lit without shadows from there, but turned about the
+    /// vertical by `turn_deg` degrees.
     pub fn of(mesh: &Mesh, name: String, from: DVec3, turn_deg: f64) -> Self {
         let light = DMat3::from_rotation_y(turn_deg.to_radians()) * from;
         let camera = Camera::around(mesh.centre(), mesh.radius(), from);
@@ -42,7 +43,7 @@ impl PaintView {
         Self { name, camera, light, white: [1.0; 3], has_shadows: false }
     }
 
-    /// Whether the view's light can light a mesh.
+    /// Checks that the view's light stands outside the mesh and can light it.
     ///
     /// # Errors
     ///
@@ -88,13 +89,24 @@ fn icosahedron() -> [DVec3; 12] {
     corners
 }
 
-/// The twelve views of a mesh from the corners of an icosahedron, each lit by a light 30° about the
-/// vertical from its camera.
+/// Returns the twelve views of a mesh from the corners of an icosahedron, each lit by a light 30° about the vertical
+/// from its camera.
+///
+/// ```
+/// use brdf_mesh::{Mesh, Soup};
+/// use brdf_paint::{ViewBuffers, vertex_views};
+///
+/// let (torus, _) = Mesh::new(Soup::torus())?;
+/// let views = vertex_views(&torus);
+/// let buffers = ViewBuffers::of(&torus, &views[0], 16, 16);
+/// assert!(views.len() == 12 && buffers.pixels.iter().flatten().count() > 50);
+/// # Ok::<(), brdf_mesh::MeshError>(())
+/// ```
 pub fn vertex_views(mesh: &Mesh) -> Vec<PaintView> {
     named(mesh, icosahedron())
 }
 
-/// Any number of views of a mesh from directions that lie evenly on a spiral, lit as [`vertex_views`] are.
+/// Returns `count` views of a mesh from directions that lie evenly on a spiral, lit as [`vertex_views`] are.
 pub fn spiral_views(mesh: &Mesh, count: usize) -> Vec<PaintView> {
     // Each step turns by the golden angle and goes down by the same height.
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
@@ -114,8 +126,8 @@ fn named(mesh: &Mesh, from: impl IntoIterator<Item = DVec3>) -> Vec<PaintView> {
         .collect()
 }
 
-/// Twelve of the views from the centres of the icosahedron's faces, under three lights each: what a
-/// material is judged by that was made from the other views.
+/// Returns twelve views from the centres of the icosahedron's faces, under three lights each: they judge a material
+/// that was made from the other views.
 pub fn face_views(mesh: &Mesh) -> Vec<PaintView> {
     let corners = icosahedron();
     let nearest = corners[0].distance(corners[1]).min(corners[0].distance(corners[8])) * 1.01;

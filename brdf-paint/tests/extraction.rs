@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use brdf_job::Job;
 use brdf_mesh::{Mesh, Soup};
 use brdf_model::{Analytic, Brdf, Preset, Rgb};
 use brdf_paint::{
@@ -47,7 +48,7 @@ fn params(mode: Mode, solver: SolverChoice) -> PaintParams {
 }
 
 fn made(samples: &PaintSamples, params: &PaintParams) -> Extraction {
-    extract(samples, params, &|_| ()).unwrap()
+    extract(samples, params, &Job::new()).unwrap()
 }
 
 #[test]
@@ -143,7 +144,7 @@ fn what_gives_no_sample_is_counted() {
     image.width -= 1;
     let refused = samples.add(0, "view", buffers, &image, 0.1);
     assert!(matches!(refused, Err(PaintError::Size { .. })), "{refused:?}");
-    let nothing = extract(&PaintSamples::new(), &PaintParams::default(), &|_| ());
+    let nothing = extract(&PaintSamples::new(), &PaintParams::default(), &Job::new());
     assert!(matches!(nothing, Err(PaintError::NothingPainted { .. })));
 }
 
@@ -247,7 +248,7 @@ fn thinning_takes_from_everywhere() {
         assert!((count(&thin) * 10).abs_diff(count(&all) * 6) <= 10, "view {view}");
     }
     let params = PaintParams { map_size: 4096, products: 10, ..PaintParams::default() };
-    let refused = extract(&thin, &params, &|_| ());
+    let refused = extract(&thin, &params, &Job::new());
     assert!(matches!(refused, Err(PaintError::Option { .. })), "more memory than there is");
 }
 

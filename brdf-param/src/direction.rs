@@ -23,7 +23,8 @@ pub fn spherical_direction(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
-/// Returns the angle between a direction and the normal in radians, [0, π]; exact to rounding at the pole and at the horizon.
+/// Returns the angle between a direction and the normal in radians, [0, π]; exact to rounding at the
+/// pole and at the horizon.
 pub fn polar_angle(direction: DVec3) -> f64 {
     direction.x.hypot(direction.y).atan2(direction.z)
 }

@@ -34,7 +34,8 @@ pub enum HemisphereMap {
     ///
     /// Source: Wang, Tran and Luebke 2004, Eq. 7, without their shift to [0, 1].
     OrthographicDisc,
-    /// Equal-area polar coordinates `(phi / 2π + ½, √(1 − z))` in the unit square; the first coordinate wraps around.
+    /// Equal-area polar coordinates `(phi / 2π + ½, √(1 − z))` in the unit square; the first
+    /// coordinate wraps around.
     ///
     /// Source: Wang, Tran and Luebke 2004, Eq. 8, whose arctangent is scaled here to a turn and
     /// measured from the tangent.

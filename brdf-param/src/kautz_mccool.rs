@@ -71,8 +71,9 @@ impl KautzMcCool {
     /// Returns the coordinates of the pair turned about the normal so that the half vector leans along
     /// the bitangent.
     ///
-    /// There the frame is as far from its degenerate place, the tangent, as it can be. The frame is tied to the tangent, so d turns too: this goes through the directions.
-    /// Coordinates outside the domain are returned as they are.
+    /// There the frame is as far from its degenerate place, the tangent, as it can be. The frame is
+    /// tied to the tangent, so d turns too: this goes through the directions. Coordinates outside the
+    /// domain are returned as they are.
     pub fn isotropic(&self) -> Self {
         self.to_pair().map_or(*self, |pair| {
             Self::from_pair(&pair.rotated_about_normal(FRAC_PI_2 - azimuth(pair.half())))

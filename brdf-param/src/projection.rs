@@ -138,8 +138,8 @@ impl Projection {
     ///
     /// # Errors
     ///
-    /// [`ParamError::NotFinite`] where a number is NaN or infinite, and [`ParamError::DependentRows`] where the angle between the
-    /// rows is below 1e-6 or a row is zero.
+    /// [`ParamError::NotFinite`] where a number is NaN or infinite, and [`ParamError::DependentRows`]
+    /// where the angle between the rows is below 1e-6 or a row is zero.
     pub fn from_rows(first: [f64; 4], second: [f64; 4]) -> Result<Self, ParamError> {
         for (row, values) in [first, second].iter().enumerate() {
             if let Some(&value) = values.iter().find(|v| !v.is_finite()) {

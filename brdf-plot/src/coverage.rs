@@ -14,9 +14,10 @@ const BINS: usize = 30;
 const AZIMUTHS: u32 = 24;
 const PLACES: u32 = 3;
 
-/// For a material that can be evaluated, the share of pairs with data in bins of (theta_i, theta_o)
-/// and (theta_h, theta_d): holes and invalid cells are dark. For scattered rows, how many fall into
-/// each bin.
+/// Plots where a material has data, in bins of (theta_i, theta_o) and (theta_h, theta_d).
+///
+/// For a material that can be evaluated a bin shows the share of pairs with data: holes and invalid cells are dark.
+/// For scattered `rows` it shows how many of them fall into it.
 ///
 /// # Errors
 ///

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use crate::colours::{FAINT, INK, series};
 use crate::plot::{Plot, PlotError, drawing, on_sheet};
 
-/// How an axis is divided.
+/// The division of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
@@ -16,40 +16,49 @@ pub enum Scale {
     Log,
 }
 
-/// Points joined by a line.
+/// Points joined by a line, with a label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What the legend says.
+    /// Text in the legend.
     pub label: String,
-    /// x and y.
+    /// x and y of each point.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Series {
-    /// A series.
+    /// Returns a series of points with a label.
     pub fn new(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { label: label.into(), points }
     }
 }
 
-/// Series over common axes.
+/// A panel of series over common axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
-    /// Above the panel.
+    /// Title above the panel.
     pub title: String,
-    /// What x is, with its unit.
+    /// Label of the x axis, with the unit.
     pub x: String,
-    /// What y is, with its unit.
+    /// Label of the y axis, with the unit.
     pub y: String,
-    /// How y is divided.
+    /// Division of the y axis.
     pub y_scale: Scale,
-    /// What is drawn; every series has a marker of its own.
+    /// Series that are drawn; each has a marker of its own.
     pub series: Vec<Series>,
 }
 
 const PANEL: (u32, u32) = (420, 320);
 
-/// Panels of curves, `columns` side by side.
+/// Plots panels of curves, `columns` side by side.
+///
+/// ```
+/// use brdf_plot::{Curves, PlotError, Series, plot_curves};
+///
+/// let line = Curves { series: vec![Series::new("y = x", vec![(0.0, 0.0), (1.0, 1.0)])], ..Curves::default() };
+/// assert!(plot_curves(&[line], 1)?.svg().contains("y = x"));
+/// assert!(matches!(plot_curves(&[Curves::default()], 1), Err(PlotError::Nothing { .. })));
+/// # Ok::<(), PlotError>(())
+/// ```
 ///
 /// # Errors
 ///

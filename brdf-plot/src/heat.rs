@@ -7,7 +7,7 @@ use crate::colours::{INK, NO_DATA, heat};
 use crate::curves::short;
 use crate::plot::{Bitmap, Plot, PlotError, Sheet, drawing, on_sheet};
 
-/// Values on a grid, row by row from the smallest y; none where there is no data.
+/// Values on a grid, row by row from the smallest y; `None` where there is no data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Values in a row.
@@ -33,38 +33,38 @@ pub struct Contours {
     pub colour: [u8; 3],
 }
 
-/// One panel.
+/// A panel of an image over two axes, with isolines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heat {
-    /// Above the panel.
+    /// Title above the panel.
     pub title: String,
-    /// What x is, with its unit.
+    /// Label of the x axis, with the unit.
     pub x: String,
-    /// What y is, with its unit.
+    /// Label of the y axis, with the unit.
     pub y: String,
     /// Largest value of x and y; both begin at 0.
     pub extent: [f64; 2],
-    /// What the image shows; `None` for isolines on white.
+    /// Values shown as colours; `None` for isolines on white.
     pub image: Option<Field>,
-    /// Lines over it.
+    /// Isolines over the image.
     pub contours: Vec<Contours>,
 }
 
 /// The colour scale that all panels share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatScale {
-    /// What the colours mean, with the unit.
+    /// Meaning of the colours, with the unit.
     pub label: String,
     /// Values of both ends.
     pub range: [f64; 2],
-    /// Colours follow the logarithm.
+    /// Whether colours follow the logarithm.
     pub log: bool,
-    /// Values below the range exist and look like its lower end.
+    /// Whether there are values below the range, which look like its lower end.
     pub clipped_below: bool,
 }
 
 impl HeatScale {
-    /// The scale over the values of fields, on a logarithm of at most `decades` below the largest.
+    /// Returns the scale over the values of fields, on a logarithm of at most `decades` below the largest.
     pub fn log_over<'a>(
         label: impl Into<String>,
         fields: impl IntoIterator<Item = &'a Field>,
@@ -108,7 +108,24 @@ const RIGHT: i32 = 12;
 const EDGE: i32 = 6;
 const BAR: i32 = 90;
 
-/// Panels with a common colour scale, `columns` side by side.
+/// Plots panels of images with a common colour scale, `columns` side by side.
+///
+/// ```
+/// use brdf_plot::{Field, Heat, HeatScale, plot_heat};
+///
+/// let field = Field { columns: 2, values: vec![Some(0.1), Some(1.0), None, Some(10.0)] };
+/// let scale = HeatScale::log_over("luminance (1/sr)", [&field], 4.0);
+/// let panel = Heat {
+///     title: "four cells".to_owned(),
+///     x: "theta_h (°)".to_owned(),
+///     y: "theta_d (°)".to_owned(),
+///     extent: [90.0, 90.0],
+///     image: Some(field),
+///     contours: Vec::new(),
+/// };
+/// assert!(plot_heat(&[panel], 1, Some(&scale))?.svg().contains("four cells"));
+/// # Ok::<(), brdf_plot::PlotError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -1,5 +1,11 @@
-//! Plots of BRDFs as SVG and PNG, with axes, units and legends, readable in greyscale: slices and
-//! their isolines, polar and three-dimensional lobes, curves, textures, coverage.
+//! Plots of BRDFs as SVG and PNG, with axes, units and legends, readable in greyscale.
+//!
+//! - [`plot_slices`] and [`plot_parametrizations`] show luminance over two coordinates.
+//! - [`plot_polar`] and [`plot_lobes`] show lobes, in the plane of incidence and in three dimensions.
+//! - [`plot_coverage`] shows where a measured material has data.
+//! - [`plot_curves`], [`plot_heat`] and [`plot_textures`] take values of any kind.
+//!
+//! Each returns a [`Plot`], which gives the SVG as text and a PNG as bytes.
 //!
 //! ```
 //! use brdf_plot::{Curves, Scale, Series, plot_curves};
@@ -37,3 +43,7 @@ pub use plot::{Plot, PlotError};
 pub use polar::plot_polar;
 pub use slices::plot_slices;
 pub use textures::plot_textures;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

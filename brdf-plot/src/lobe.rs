@@ -18,8 +18,10 @@ const AROUND: u32 = 120;
 /// Where the viewer of the plot stands: degrees around the normal and above the surface.
 const VIEW_DEG: (f64, f64) = (60.0, 25.0);
 
-/// For each incidence (degrees) the surface whose distance from the centre is the cube root of the
-/// luminance, shaded by it; the light, an arrow, stands at azimuth 180°. Gaps: no data.
+/// Plots lobes in three dimensions, one for each incidence in degrees.
+///
+/// A lobe is the surface whose distance from the centre is the cube root of the luminance, shaded by it. The light,
+/// an arrow, stands at azimuth 180°. Gaps: no data.
 ///
 /// # Errors
 ///

@@ -17,8 +17,10 @@ const LEVELS: usize = 10;
 /// Isolines of a test function, tenths of its range.
 const TENTHS: usize = 9;
 
-/// Rows are parametrizations, columns azimuths from 0 to 180°: luminance on a logarithm with
-/// isolines. Grey: no data.
+/// Plots slices of a material under every parametrization, with isolines: figures 2 to 5 of Barla, Belcour and
+/// Pacanowski 2015.
+///
+/// Rows are parametrizations, columns azimuths from 0 to 180°; luminance is on a logarithm. Grey: no data.
 ///
 /// # Errors
 ///
@@ -49,8 +51,8 @@ pub fn plot_parametrizations(name: &str, brdf: &dyn Brdf) -> Result<Plot, PlotEr
     plot_heat(&panels, AZIMUTHS.len(), Some(&scale))
 }
 
-/// The three test functions, each as isolines in tenths of its range: specular red, Fresnel black,
-/// grazing blue.
+/// Plots the three test functions of Barla, Belcour and Pacanowski 2015 under every parametrization, each as
+/// isolines in tenths of its range: specular red, Fresnel black, grazing blue.
 ///
 /// # Errors
 ///

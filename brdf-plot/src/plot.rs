@@ -10,26 +10,26 @@ use plotters::prelude::{DrawingArea, IntoDrawingArea as _, SVGBackend};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
-/// A plot as SVG.
+/// A finished plot: an SVG document.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plot {
     svg: String,
 }
 
-/// A plot that could not be drawn.
+/// A problem with a plot: there is nothing to show, or the drawing library refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
     /// There is nothing to show.
     #[error("nothing to plot: {what}")]
     Nothing {
-        /// What is missing.
+        /// Name of the missing part.
         what: &'static str,
     },
     /// The drawing library refused.
     #[error("drawing: {problem}")]
     Drawing {
-        /// What it said.
+        /// Message of the library.
         problem: String,
     },
 }
@@ -49,12 +49,12 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
 });
 
 impl Plot {
-    /// The SVG document.
+    /// Returns the SVG document.
     pub fn svg(&self) -> &str {
         &self.svg
     }
 
-    /// The bytes of a PNG with two pixels for each unit of the SVG.
+    /// Returns the bytes of a PNG with two pixels for each unit of the SVG.
     ///
     /// # Errors
     ///

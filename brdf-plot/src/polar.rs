@@ -16,9 +16,17 @@ const HALF_WIDTH: f64 = 1.236;
 /// Steps from one horizon to the other.
 const STEPS: u32 = 360;
 
-/// Luminance over the direction to the viewer, in the plane of incidence, for each incidence
-/// (degrees). The light comes from the left; the radius is the cube root of the value, so that gloss
-/// does not hide what is matt. Gaps: no data.
+/// Plots luminance over the direction to the viewer, in the plane of incidence, for each incidence in degrees.
+///
+/// The light comes from the left. The radius is the cube root of the value, so that gloss does not hide what is
+/// matt. Gaps: no data.
+///
+/// ```
+/// let plastic = brdf_model::Preset::find("plastic").expect("a built-in material").brdf();
+/// let plot = brdf_plot::plot_polar("plastic", &plastic, &[30.0, 60.0])?;
+/// assert!(plot.svg().contains("theta_i = 60°"));
+/// # Ok::<(), brdf_plot::PlotError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -12,8 +12,21 @@ const SIZE: usize = 90;
 /// Decades of luminance that colours span at most.
 const DECADES: f64 = 4.0;
 
-/// One row of panels for each material, one panel for each azimuth (degrees): luminance over two
-/// coordinates of a parametrization, colours on a logarithm. Grey: no data.
+/// Plots luminance over two coordinates of a parametrization: a row of panels for each material, a panel for each
+/// azimuth in degrees.
+///
+/// Colours are on a logarithm. Grey: no data.
+///
+/// ```
+/// use brdf_model::{Brdf, Preset};
+/// use brdf_param::Parametrization;
+///
+/// let plastic = Preset::find("plastic").expect("a built-in material").brdf();
+/// let materials = [("plastic".to_owned(), &plastic as &dyn Brdf)];
+/// let plot = brdf_plot::plot_slices(&materials, Parametrization::HalfDifference, &[90.0])?;
+/// assert!(plot.svg().contains("plastic, 90°"));
+/// # Ok::<(), brdf_plot::PlotError>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -10,7 +10,14 @@ const SIDE: i32 = 160;
 const GAP: i32 = 14;
 const CAPTION: i32 = 22;
 
-/// Pictures with a caption above each, `columns` side by side.
+/// Plots pictures with a caption above each, `columns` side by side.
+///
+/// ```
+/// let picture = brdf_image::DisplayImage::filled(8, 8, [200, 90, 60]);
+/// let plot = brdf_plot::plot_textures(&[("factor 0".to_owned(), picture)], 1)?;
+/// assert!(plot.svg().contains("factor 0"));
+/// # Ok::<(), brdf_plot::PlotError>(())
+/// ```
 ///
 /// # Errors
 ///

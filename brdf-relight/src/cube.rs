@@ -19,7 +19,7 @@ pub struct Face {
     pub right: DVec3,
     /// Direction of growing rows.
     pub down: DVec3,
-    /// From the centre through the middle of the face.
+    /// Unit vector from the centre through the middle of the face.
     pub out: DVec3,
 }
 

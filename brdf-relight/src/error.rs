@@ -9,23 +9,23 @@ pub enum RelightError {
     /// A BRDF that cannot be relit with.
     #[error("BRDF: {found}; expected {expected}")]
     Brdf {
-        /// What it is.
+        /// Property of the BRDF that was found.
         found: String,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
     /// Transport of which no components are found.
     #[error("components of transport: {found}; expected finite transport")]
     Components {
-        /// What was found.
+        /// Content found.
         found: String,
     },
     /// Stored transport that is not whole.
     #[error("transport: {found}; expected {expected}")]
     Transport {
-        /// What was found.
+        /// Content found.
         found: String,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
     /// The factorization.

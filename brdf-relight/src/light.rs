@@ -13,12 +13,12 @@ use crate::haar;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightRule {
-    /// The largest, until what is left of the energy beyond the brightest hundredth is .5 %; from 200 to 1,000.
+    /// The largest coefficients, until what is left of the energy beyond the brightest hundredth is .5 %; from 200 to 1,000.
     #[default]
     Energy,
-    /// Those of at least 1/32 of the largest (the paper's 1024 of 32767).
+    /// Coefficients of at least 1/32 of the largest (the paper's 1024 of 32767).
     Paper,
-    /// All.
+    /// All coefficients.
     All,
 }
 

@@ -41,9 +41,9 @@ pub struct RelightRecord {
     pub mesh: String,
     /// The material, as it was given, without folders.
     pub brdf: String,
-    /// How the BRDF was factored.
+    /// Options of the factorization of the BRDF.
     pub maps: MapParams,
-    /// How transport was made.
+    /// Options of the precomputation of transport.
     pub precompute: PrecomputeParams,
 }
 

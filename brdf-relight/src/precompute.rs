@@ -90,7 +90,7 @@ const GATHERED: f64 = 1.0 / 16.0;
 /// The transport of one chunk of vertices, before it is assembled.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chunk {
-    /// One for each vertex of the chunk, or for each component of the cluster.
+    /// Vectors, one for each vertex of the chunk, or for each component of the cluster.
     pub vectors: Vec<SparseVectors>,
     /// `[vertex][component]`, 32767 for 1; none without clusters.
     pub weights: Vec<i16>,

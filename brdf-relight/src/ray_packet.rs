@@ -52,7 +52,7 @@ pub struct Occluder {
 /// A tile of 8 × 8 rays from a common origin, as axes and bounds of a face.
 #[derive(Clone, Copy, Debug)]
 pub struct Tile {
-    /// Which face of the cube.
+    /// Face of the cube.
     pub face: usize,
     /// Rays along a side of the face.
     pub side: usize,

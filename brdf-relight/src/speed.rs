@@ -23,7 +23,7 @@ use crate::scene::{Part, RelitScene};
 pub struct SpeedParams<'a> {
     /// Light of the frames.
     pub environment: &'a Environment,
-    /// Its turn about the vertical in the first frame, radians.
+    /// Turn of the environment about the vertical in the first frame, radians.
     pub rotation: f64,
     /// Rule by which its coefficients are used.
     pub rule: LightRule,

@@ -95,9 +95,9 @@ pub struct SparseTransport<'a> {
 /// Codes of the entries of a [`SparseTransport`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Codes<'a> {
-    /// Of [`Coding::Rgb`].
+    /// Codes of [`Coding::Rgb`].
     Rgb(Cow<'a, [u32]>),
-    /// Of [`Coding::Scalar`].
+    /// Codes of [`Coding::Scalar`].
     Scalar(Cow<'a, [u16]>),
 }
 

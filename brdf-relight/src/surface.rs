@@ -8,7 +8,7 @@ use crate::transport::ShadingPoint;
 /// Triangles with a unit normal at each corner.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// Of each vertex.
+    /// Position of each vertex.
     pub positions: Vec<DVec3>,
     /// Unit, of each vertex.
     pub normals: Vec<DVec3>,

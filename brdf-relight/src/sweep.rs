@@ -38,7 +38,8 @@ pub struct Sweep {
     pub films: Vec<Film>,
     /// Picture by brute force at each vertex: all light, adaptive rays.
     pub exact: Film,
-    /// Of pixels that show the object, over the root mean square of the exact picture; one for each number.
+    /// Root mean square error of the pixels that show the object, over the root mean square of the exact picture; one
+    /// for each number.
     pub relative_rms: Vec<f64>,
 }
 
@@ -120,13 +121,7 @@ fn by_brute_force(
 ) -> Result<Film, RelightError> {
     let occluder = Occluder::of(mesh);
     let mut relit = RelitScene::default();
-    let weights: Vec<f64> = parts
-        .iter()
-        .map(|part| {
-            let vertices = part.surface.positions.len() as f64;
-            vertices
-        })
-        .collect();
+    let weights: Vec<f64> = parts.iter().map(|part| part.surface.positions.len() as f64).collect();
     let jobs = job.split_into(&weights);
     let parts = parts.iter().zip(&jobs).enumerate().map(|(index, (part, job))| {
         // The ground's own map is exact.

@@ -25,11 +25,11 @@ pub struct ShadingPoint {
 pub struct SparseVectors {
     /// Largest magnitude of any channel, for each term.
     pub largest: Vec<f32>,
-    /// How many coefficients each term keeps.
+    /// Number of coefficients that each term keeps.
     pub counts: Vec<u16>,
     /// Places of the coefficients, ascending, term after term.
     pub places: Vec<u16>,
-    /// Their values as codes.
+    /// Codes of the coefficients' values.
     pub codes: Vec<u32>,
 }
 

@@ -21,7 +21,7 @@ pub enum Light {
 pub struct DirectionalLight {
     /// Angle between the light and the direction to the camera, radians.
     pub theta: f64,
-    /// Where the light stands around the camera, radians: 0 to the right, π/2 above.
+    /// Azimuth of the light around the camera, radians: 0 to the right, π/2 above.
     pub phi: f64,
 }
 
@@ -50,7 +50,7 @@ pub enum EnvironmentError {
         width: usize,
         /// Rows.
         height: usize,
-        /// What is wrong.
+        /// Description of the problem.
         problem: &'static str,
     },
     /// The file is no picture.

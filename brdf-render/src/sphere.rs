@@ -41,10 +41,10 @@ pub(crate) const SUPERSAMPLING: u32 = 3;
 ///
 /// ```
 /// use brdf_image::Pixel;
-/// use brdf_model::Lambert;
+/// use brdf_model::{Analytic, Lambert, Rgb};
 /// use brdf_render::{DirectionalLight, Light, SphereView, render_sphere};
 ///
-/// let white = Lambert { albedo: brdf_model::Rgb::splat(1.0) };
+/// let white = Analytic::Lambert(Lambert { albedo: Rgb::splat(1.0) });
 /// let light = Light::Directional(DirectionalLight { theta: 0.0, phi: 0.0 });
 /// let film = render_sphere(&white, &light, &SphereView { size: 33, samples: 1 });
 /// let Pixel::Radiance(middle, _) = film.pixels()[33 * 16 + 16] else { panic!("the sphere") };

@@ -46,11 +46,14 @@ pub fn render_textured(
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
+    use brdf_image::Pixel;
+    use brdf_model::{Preset, Rgb};
+    use glam::DVec3;
+
     use super::*;
-
-    use brdf_model::Preset;
-
-    use crate::{DirectionalLight, SphereView, TexturePoint, Uniform, render_sphere};
+    use crate::{DirectionalLight, Environment, SphereView, TexturePoint, Uniform, render_sphere};
 
     /// White and black squares, two by two in a tile; white at the lower left.
     struct Chequer;

@@ -1,6 +1,6 @@
 //! Speed of one evaluation on one thread, and of whole searches.
 //!
-//! `cargo bench -p brdf-search`. The figures that this machine printed stand in ARCHITECTURE.md.
+//! `cargo bench -p brdf-search`. Measured figures stand in ARCHITECTURE.md.
 
 use std::hint::black_box;
 use std::sync::Arc;

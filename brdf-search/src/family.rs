@@ -1,32 +1,43 @@
-//! Which models a search looks among.
+//! Families: the models that a search compares.
 
 use brdf_factor::{Coordinate, FactorSpec, Problem};
 use brdf_param::{Projection, Space};
 
 use crate::SearchError;
 
-/// Most terms of a search.
+/// The largest number of terms of a search.
 pub const MAX_TERMS: usize = 8;
 
-/// The models of a search: projections of one space, and factors that stand beside them.
+/// The models that a search compares: projections of one space, beside factors that are fixed.
+///
+/// ```
+/// use brdf_factor::{Coordinate, FactorSpec};
+/// use brdf_param::{Projection, Space};
+/// use brdf_search::Family;
+///
+/// let fixed = vec![FactorSpec::single(Coordinate::H)];
+/// let family = Family { fixed, ..Family::new(Space::Standard, true) };
+/// assert_eq!(family.specs(&[Projection::FIRST]).len(), 2);
+/// assert!(family.spec(Projection::FIRST).is_reciprocal());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Space of the projections.
     pub space: Space,
     /// Whether every projection shares its texture with its reciprocal conjugate.
     pub reciprocal: bool,
-    /// Factors of given coordinates, linear or not, that every model has: `h` in standard space, say,
-    /// or radial maps. Their textures are solved for with the others.
+    /// Factors of given coordinates, linear or not, that every model has, such as the half vector in
+    /// standard space, or radial maps. Their textures are solved for with the others.
     pub fixed: Vec<FactorSpec>,
 }
 
 impl Family {
-    /// Projections alone.
+    /// Returns the family of projections of a space, without fixed factors.
     pub fn new(space: Space, reciprocal: bool) -> Self {
         Self { space, reciprocal, fixed: Vec::new() }
     }
 
-    /// The factor of a projection.
+    /// Returns the factor of a projection.
     pub fn spec(&self, projection: Projection) -> FactorSpec {
         let coordinate = Coordinate::Projected { space: self.space, projection };
         if self.reciprocal {
@@ -36,13 +47,13 @@ impl Family {
         }
     }
 
-    /// The factors of a model: the fixed ones, then one for each projection.
+    /// Returns the factors of a model: the fixed ones, then one for each projection.
     pub fn specs(&self, projections: &[Projection]) -> Vec<FactorSpec> {
         let searched = projections.iter().map(|&projection| self.spec(projection));
         self.fixed.iter().cloned().chain(searched).collect()
     }
 
-    /// Whether models of up to `terms` projections can be fitted to a problem.
+    /// Checks that models of up to `terms` projections can be fitted to a problem.
     pub(crate) fn check(
         &self,
         problem: &Problem,

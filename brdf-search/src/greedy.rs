@@ -1,4 +1,4 @@
-//! The search of the thesis: one term after another, each by Powell's method from several starts.
+//! The greedy search: one term after another, each by Powell's method from several starts.
 //!
 //! Source: Cole 2002, section 3.1.
 
@@ -16,8 +16,9 @@ use crate::{
     Family, PowellParams, Rotation4, SearchError, SearchOutcome, TermOutcome, minimize_rotation,
 };
 
-/// What a greedy search minimizes (Cole 2002, section 3.1.4). Textures are least-squares solutions in
-/// logarithms all the same.
+/// The error that a greedy search minimizes (Cole 2002, section 3.1.4).
+///
+/// Textures are always least-squares solutions in logarithms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -31,25 +32,25 @@ pub enum Objective {
     Blend,
 }
 
-/// Effort of a greedy search.
+/// The options of a greedy search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GreedyParams {
     /// Number of projections, 1 to 8.
     pub terms: usize,
-    /// Texels along each side during the search.
+    /// Number of texels along each side of a texture during the search.
     pub texture_size: usize,
-    /// Random starts of every term, beside two canonical ones, at least 1.
+    /// Number of random starts of every term, beside two canonical ones; at least 1.
     pub restarts: usize,
-    /// Factors whose textures are solved for together, the new one included, at least 1; earlier ones
-    /// keep theirs. The thesis finds 2 much better than 1, and little beyond.
+    /// Number of factors whose textures are solved for together, the new one included; at least 1. Earlier
+    /// ones keep theirs. Cole 2002 finds 2 much better than 1, and more hardly better than 2.
     pub last: usize,
-    /// What is minimized.
+    /// Error that is minimized.
     pub objective: Objective,
-    /// When a descent ends.
+    /// Options of each descent.
     pub powell: PowellParams,
-    /// Planes to start from, one for each term, beside the others: those of an earlier model, say.
+    /// Planes to start from, one for each term, beside the other starts, such as those of an earlier model.
     pub start: Vec<Projection>,
-    /// Which random starts.
+    /// Seed of the random starts.
     pub seed: u64,
 }
 
@@ -71,14 +72,18 @@ impl Default for GreedyParams {
 /// Canonical starts of every term: the first direction, and the sum of both.
 const CANONICAL: [usize; 2] = [0, 2];
 
-/// Adds one projection after another, each the best of several Powell descents over rotations.
+/// Returns the models found by adding one projection after another, each the best of several Powell
+/// descents over rotations.
 ///
-/// Deterministic for any number of threads, unless it is stopped. A search that is stopped returns
-/// what it found; there is at least one term.
+/// The result does not depend on the number of threads, unless the search is stopped. A search that is
+/// stopped returns what it found so far, at least one term. [`TermOutcome::error`] is the
+/// [`Objective`]. Source: Cole 2002, section 3.1.
 ///
 /// # Errors
 ///
 /// [`SearchError`] for impossible options, before any work.
+#[doc(alias = "homomorphic factorization")]
+#[doc(alias = "Powell")]
 pub fn search_greedy(
     problem: &Problem,
     family: &Family,

@@ -1,13 +1,13 @@
 //! The joint search: all projections of a model together, from many starts, coarse to fine.
 //!
 //! Sets of projections are compared at a few thousand samples and 12 × 12 texels, with all textures
-//! solved for at every step. Sets of one, two and three planes start at random; sets of more grow out
-//! of the best, by the planes that help most. Starts run in heats: after a few steps those that lag
-//! are dropped. The best sets are refined at more samples and texels, the winner on all samples.
+//! solved for at every step. Sets of one, two and three planes start at random; larger sets grow out of
+//! the best ones, by the planes that help most. Starts run in heats: after a few steps those that lag are
+//! dropped. The best sets are refined at more samples and texels, the winner on all samples.
 //!
-//! What did not help: fewer than 12 texels or 3,000 samples (sets are ranked by their noise), weak
-//! smoothing at the coarse level (the same), every eleventh sample instead of the first of the
-//! sequence (the same), planes of uniform distribution alone, ranking more sets at the medium level.
+//! Some variants did not help: fewer than 12 texels or 3,000 samples, weak smoothing at the coarse level,
+//! and every eleventh sample instead of the first of the sequence (all three rank sets by their noise);
+//! planes of uniform distribution alone; ranking more sets at the medium level.
 
 use brdf_factor::Problem;
 use brdf_job::Job;
@@ -19,20 +19,20 @@ use crate::starts::{canonical_projections, joint_starts, new_planes};
 use crate::varpro::{Candidate, Level, Limits, Solved};
 use crate::{Family, SearchError, SearchOutcome, TermOutcome};
 
-/// Effort of a joint search.
+/// The options of a joint search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointParams {
     /// Largest number of projections, 1 to 8; models of fewer are found on the way.
     pub terms: usize,
-    /// Texels along each side at which the winner is refined; the textures of the result may be
+    /// Number of texels along each side at which the winner is refined; the textures of the result may be
     /// larger.
     pub texture_size: usize,
-    /// Random sets of two planes to start from, at least 1; three quarters as many of three. With
-    /// fewer than 30, two-term models were found worse than a Powell search finds.
+    /// Number of random sets of two planes to start from, at least 1; of three planes there are three
+    /// quarters as many. With fewer than 30, models of two terms were worse than those of a Powell search.
     pub restarts: usize,
-    /// Planes to start from beside the random ones: those of an earlier model, say.
+    /// Planes to start from, beside the random ones, such as those of an earlier model.
     pub start: Vec<Projection>,
-    /// Which random starts.
+    /// Seed of the random starts.
     pub seed: u64,
 }
 
@@ -90,14 +90,16 @@ const EARLY_MEDIUM_HEATS: [Heat; 1] = [heat(5, 1e-3, 1, 1.5)];
 const FINE_STEPS: usize = 2;
 const EARLY_FINE_STEPS: usize = 0;
 
-/// Searches for the projections that fit best together, for every number of terms up to the largest.
+/// Returns the projections that fit best together, for every number of terms up to the largest.
 ///
-/// Deterministic for any number of threads, unless it is stopped. A search that is stopped returns
-/// what it found; there is at least one term.
+/// The result does not depend on the number of threads, unless the search is stopped. A search that is
+/// stopped returns what it found so far, at least one term. [`TermOutcome::error`] is the weighted mean
+/// square of log residuals, with the smoothing terms.
 ///
 /// # Errors
 ///
 /// [`SearchError`] for impossible options, before any work.
+#[doc(alias = "homomorphic factorization")]
 pub fn search_joint(
     problem: &Problem,
     family: &Family,

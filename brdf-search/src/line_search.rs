@@ -1,23 +1,25 @@
-//! Minima along a line that closes in itself.
+//! Minimization along a closed line, on which a function is periodic.
 
-/// How finely a line is searched.
+/// The options of a line search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineParams {
-    /// Points spread over the period to find a bracket, at least 3.
+    /// Number of points spread over the period to find a bracket, at least 3.
     pub probes: usize,
     /// Width of the final bracket as a share of the period.
     pub tolerance: f64,
 }
 
 impl Default for LineParams {
-    /// Seven probes see minima that are wider than a seventh of the period; 0.5 % of it is a small
+    /// Returns 7 probes and a tolerance of 0.5 %.
+    ///
+    /// Seven probes find minima that are wider than a seventh of the period; 0.5 % of the period is a small
     /// part of a texel.
     fn default() -> Self {
         Self { probes: 7, tolerance: 5e-3 }
     }
 }
 
-/// A place on a line and the value there.
+/// A place on a line and the value of a function there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePoint {
     /// Parameter along the line.
@@ -26,11 +28,20 @@ pub struct LinePoint {
     pub value: f64,
 }
 
-/// The lowest point found of a function with this period, starting from t = 0, where its value is
-/// known. Never worse than the start.
+/// Returns the lowest point found of a function of this period, never worse than the start.
+///
+/// The start is t = 0, where the value is known.
 ///
 /// The line is probed at equal steps; the lowest point and its neighbours bracket a minimum, which
 /// golden section then narrows. Source: Press et al., *Numerical Recipes*, section 10.1.
+///
+/// ```
+/// use brdf_search::{LineParams, minimize_on_line};
+///
+/// let f = |t: f64| (t - 1.3).cos();
+/// let lowest = minimize_on_line(f, f(0.0), std::f64::consts::TAU, &LineParams::default());
+/// assert!(lowest.value < -0.999);
+/// ```
 pub fn minimize_on_line(
     mut f: impl FnMut(f64) -> f64,
     value_at_zero: f64,

@@ -1,24 +1,25 @@
-//! What a search found.
+//! The outcome of a search.
 
 use brdf_job::StopCause;
 use brdf_param::Projection;
 
-/// The best model of a number of terms.
+/// The best model of a given number of terms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TermOutcome {
-    /// Its projections.
+    /// Projections of the model, one for each term.
     pub projections: Vec<Projection>,
-    /// What the search minimized, at its texture size: see the search.
+    /// Error that the search minimized, at the texture size of the search; see
+    /// [`search_joint`](crate::search_joint) and [`search_greedy`](crate::search_greedy).
     pub error: f64,
 }
 
-/// The models of a search, and what they cost.
+/// The models that a search found, and the work that it took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchOutcome {
     /// The best model of one searched projection, of two, and so on; at least one.
     pub terms: Vec<TermOutcome>,
-    /// Linear least-squares problems solved.
+    /// Number of linear least-squares problems that were solved.
     pub evaluations: usize,
-    /// Why the search ended before its end, if it did; the models are the best found so far.
+    /// Cause for which the search was stopped, if it was; the models are then the best found so far.
     pub stopped: Option<StopCause>,
 }

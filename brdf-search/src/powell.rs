@@ -9,14 +9,14 @@ use glam::DQuat;
 use crate::Rotation4;
 use crate::line_search::{LineParams, minimize_on_line};
 
-/// When a descent ends.
+/// The options of a descent by Powell's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowellParams {
-    /// Most rounds through the six directions. Two to four are usual.
+    /// Largest number of rounds through the six directions; two to four are usual.
     pub rounds: usize,
-    /// A round that lowers the value by less than this share is the last.
+    /// Share of the value that a round must lower it by; with less it is the last.
     pub tolerance: f64,
-    /// How each line is searched.
+    /// Options of each line search.
     pub line: LineParams,
 }
 
@@ -26,16 +26,16 @@ impl Default for PowellParams {
     }
 }
 
-/// Where a descent ended.
+/// The place at which a descent ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Minimum {
     /// The lowest place found.
     pub rotation: Rotation4,
-    /// The value there.
+    /// Value of the function there.
     pub value: f64,
-    /// How often the function was called.
+    /// Number of calls of the function.
     pub evaluations: usize,
-    /// A round gained less than the tolerance; otherwise there were no rounds left.
+    /// Whether a round gained less than the tolerance; if not, no rounds were left.
     pub converged: bool,
 }
 
@@ -43,8 +43,10 @@ pub struct Minimum {
 /// its own negative, and the projection a point reflection of itself.
 const PERIOD: f64 = 2.0;
 
-/// Descends from a rotation to a minimum of `f`, any function of rotations that does not change under
-/// point reflection R ↦ −R, such as the error of a texture over [`Rotation4::projection`].
+/// Returns the minimum of `f` that a descent from `start` by Powell's method ends at.
+///
+/// `f` is any function of rotations that does not change under point reflection R ↦ −R, such as the error
+/// of a texture over [`Rotation4::projection`].
 ///
 /// ```
 /// use brdf_search::{PowellParams, Rotation4, minimize_rotation};

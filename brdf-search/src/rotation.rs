@@ -1,16 +1,28 @@
 //! Rotations of four-dimensional space as pairs of unit quaternions.
 //!
-//! Source: Cole 2002, section 2.3.1; periods as in the errata of this project: the printed
-//! directions are half-turns, so that along Dᵗ a quaternion returns after t = 4.
+//! Source: Cole 2002, section 2.3.1, with a period corrected: the printed directions are half-turns, so
+//! that along Dᵗ a quaternion returns after t = 4.
 
 use std::f64::consts::PI;
 
 use brdf_param::Projection;
 use glam::{DMat4, DQuat, DVec4};
 
-/// A rotation v ↦ S v T, where v = (x, y, z, w) stands for the quaternion w + xi + yj + zk.
+/// A rotation of four-dimensional space, v ↦ S v T, with unit quaternions S and T.
 ///
-/// (S, T) and (−S, −T) are the same rotation; (−S, T) is its point reflection.
+/// A vector v = (x, y, z, w) is read as the quaternion w + xi + yj + zk. (S, T) and (−S, −T) are the same
+/// rotation; (−S, T) is its point reflection.
+///
+/// ```
+/// use brdf_param::Projection;
+/// use brdf_search::Rotation4;
+///
+/// let rotation = Rotation4::from_projection(&Projection::SECOND);
+/// let [u, v] = rotation.projection().rows();
+/// assert!(u.distance(glam::DVec4::Z) < 1e-12 && v.distance(glam::DVec4::W) < 1e-12);
+/// let half = rotation.power(0.5);
+/// assert!(half.after(&half).angle_to(&rotation) < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation4 {
     left: DQuat,
@@ -18,11 +30,11 @@ pub struct Rotation4 {
 }
 
 impl Rotation4 {
-    /// No rotation.
+    /// The identity, which moves nothing.
     pub const IDENTITY: Self = Self { left: DQuat::IDENTITY, right: DQuat::IDENTITY };
 
-    /// The rotation of two quaternions of any length but zero, which are made unit; `None` for zero or
-    /// numbers that are not finite.
+    /// Returns the rotation of two quaternions, which are scaled to unit length, or `None` where one is zero
+    /// or not finite.
     pub fn new(left: DQuat, right: DQuat) -> Option<Self> {
         let unit = |q: DQuat| {
             let length = q.length();
@@ -31,22 +43,22 @@ impl Rotation4 {
         Some(Self { left: unit(left)?, right: unit(right)? })
     }
 
-    /// The left quaternion S.
+    /// Returns the left quaternion S.
     pub fn left(&self) -> DQuat {
         self.left
     }
 
-    /// The right quaternion T.
+    /// Returns the right quaternion T.
     pub fn right(&self) -> DQuat {
         self.right
     }
 
-    /// The image of a vector.
+    /// Returns the image of a vector.
     pub fn apply(&self, v: DVec4) -> DVec4 {
         (self.left * DQuat::from_vec4(v) * self.right).into()
     }
 
-    /// This rotation after `first`.
+    /// Returns the product of this rotation and `first`, which acts first.
     #[must_use]
     pub fn after(&self, first: &Self) -> Self {
         Self {
@@ -55,20 +67,21 @@ impl Rotation4 {
         }
     }
 
-    /// The rotation that undoes this one.
+    /// Returns the rotation that undoes this one.
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self { left: self.left.conjugate(), right: self.right.conjugate() }
     }
 
-    /// This rotation t times, for any real t: both quaternions raised to the power t.
+    /// Returns this rotation applied t times, for any real t: both quaternions raised to the power t.
     #[must_use]
     pub fn power(&self, t: f64) -> Self {
         Self { left: quaternion_power(self.left, t), right: quaternion_power(self.right, t) }
     }
 
-    /// Axis-angle vectors of both quaternions, half angles, in radians: of the two pairs that stand for
-    /// this rotation, the shorter.
+    /// Returns the axis-angle vectors of both quaternions, with half angles in radians.
+    ///
+    /// Of the two pairs of quaternions of this rotation, the one with the shorter vectors is taken.
     pub fn shortest_log(&self) -> [glam::DVec3; 2] {
         let logs = |sign: f64| [self.left, self.right].map(|q| quaternion_log(q * sign));
         let length = |[a, b]: [glam::DVec3; 2]| a.length_squared() + b.length_squared();
@@ -76,25 +89,26 @@ impl Rotation4 {
         if length(plus) <= length(minus) { plus } else { minus }
     }
 
-    /// The rotation of these axis-angle vectors.
+    /// Returns the rotation of these axis-angle vectors, with half angles in radians.
     pub fn from_log([left, right]: [glam::DVec3; 2]) -> Self {
         Self { left: quaternion_exp(left), right: quaternion_exp(right) }
     }
 
-    /// The angle to another rotation, radians: the length of the shortest log of what leads from one
-    /// to the other.
+    /// Returns the angle to another rotation, in radians: the length of the shortest log of the rotation that
+    /// leads from one to the other.
     pub fn angle_to(&self, other: &Self) -> f64 {
         let [a, b] = other.after(&self.inverse()).shortest_log();
         (a.length_squared() + b.length_squared()).sqrt()
     }
 
-    /// The matrix whose columns are the images of the axes.
+    /// Returns the matrix whose columns are the images of the axes.
     pub fn to_matrix(&self) -> DMat4 {
         let [x, y, z, w] = DVec4::AXES.map(|axis| self.apply(axis));
         DMat4::from_cols(x, y, z, w)
     }
 
-    /// The rotation of an orthogonal matrix with determinant 1, to rounding; `None` for others.
+    /// Returns the rotation of an orthogonal matrix of determinant 1, to rounding, or `None` for another
+    /// matrix.
     ///
     /// Source: van Elfrinkhof 1897, as given by Mebius 2005: the associate matrix has rank one.
     pub fn from_matrix(matrix: &DMat4) -> Option<Self> {
@@ -127,14 +141,14 @@ impl Rotation4 {
         Self::new(left, right)
     }
 
-    /// The projection onto the images of the first two axes: u = R(x) · p, v = R(y) · p.
+    /// Returns the projection onto the images of the first two axes: u = R(x) · p, v = R(y) · p.
     pub fn projection(&self) -> Projection {
         let rows = [self.apply(DVec4::X).to_array(), self.apply(DVec4::Y).to_array()];
         // Images of two axes are orthonormal.
         Projection::from_rows(rows[0], rows[1]).unwrap_or(Projection::FIRST)
     }
 
-    /// A rotation whose [`Rotation4::projection`] is the given one.
+    /// Returns a rotation whose [`Rotation4::projection`] is the given one.
     pub fn from_projection(projection: &Projection) -> Self {
         let [a, b] = projection.rows();
         let [c, d] = crate::tangent::complement(a, b);

@@ -1,12 +1,13 @@
-//! Where searches start.
+//! The projections that searches start from.
 
 use brdf_param::Projection;
 
 use crate::random::StartRng;
 
-/// Planes that suggest themselves: the first direction, the second, their sum and difference, and
-/// planes that pair one component of each. In standard space the directions are `wi` and `wo`, in
-/// half/difference space h and d.
+/// Returns the simple planes that searches start from: the first direction, the second, their sum and
+/// difference, and planes that pair one component of each.
+///
+/// In standard space the directions are `wi` and `wo`, in half/difference space h and d.
 pub fn canonical_projections() -> Vec<Projection> {
     const ROWS: [[[f64; 4]; 2]; 8] = [
         [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]],

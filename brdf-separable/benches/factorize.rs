@@ -2,6 +2,7 @@
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
 
+use brdf_job::Job;
 use brdf_model::{Brdf, Channels, PairSampling, Preset};
 use brdf_param::{DirectionPair, HemisphereMap, Parametrization};
 use brdf_separable::{
@@ -33,7 +34,7 @@ fn benches(c: &mut Criterion) {
 
     let model = {
         let matrix = BrdfMatrix::sample(&brdf, &layout, &MatrixParams::default()).unwrap();
-        factorize_matrix(&matrix, &SeparableParams::default()).unwrap().model
+        factorize_matrix(&matrix, &SeparableParams::default(), &Job::new()).unwrap().model
     };
     let sampling = PairSampling { count: 100_000, seed: 1, theta_max: 1.4 };
     let pairs: Vec<DirectionPair> = sampling.pairs().collect();

@@ -39,7 +39,8 @@ pub enum EigenSolver {
     /// A block Krylov method that stops by residuals: [`top_eigenpairs`].
     #[default]
     Krylov,
-    /// The power iteration printed by Wang, Tran and Luebke 2004, which fails where eigenvalues of opposite sign are equal.
+    /// The power iteration printed by Wang, Tran and Luebke 2004, which fails where eigenvalues of
+    /// opposite sign are equal.
     Power,
 }
 
@@ -118,10 +119,11 @@ pub struct SeparableFit {
 ///
 /// # Errors
 ///
-/// [`SeparableError::Rank`] for a rank that the matrix cannot have; [`SeparableError::NotSymmetric`] for eigenpairs of a layout whose
-/// sides differ, or of all channels together; [`SeparableError::Negative`] for non-negative
-/// factors of a matrix with negative values; [`SeparableError::Dense`] where a dense decomposition fails;
-/// [`SeparableError::Stopped`] where the job is stopped.
+/// [`SeparableError::Rank`] for a rank that the matrix cannot have; [`SeparableError::NotSymmetric`]
+/// for eigenpairs of a layout whose sides differ, or of all channels together;
+/// [`SeparableError::Negative`] for non-negative factors of a matrix with negative values;
+/// [`SeparableError::Dense`] where a dense decomposition fails; [`SeparableError::Stopped`] where the
+/// job is stopped.
 pub fn factorize_matrix(
     matrix: &BrdfMatrix,
     params: &SeparableParams,

@@ -25,9 +25,9 @@ use crate::SeparableError;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "chart", rename_all = "kebab-case")]
 pub enum HemisphereGrid {
-    /// `resolution`² texels over the square of a map, at (i + ½) / resolution. Where the domain of the map is
-    /// a disc, only texels whose centre lies inside it are sampled. The first axis of polar and spherical maps is the
-    /// azimuth and wraps around.
+    /// `resolution`² texels over the square of a map, at (i + ½) / resolution. Where the domain of
+    /// the map is a disc, only texels whose centre lies inside it are sampled. The first axis of
+    /// polar and spherical maps is the azimuth and wraps around.
     Plane {
         /// The map from the hemisphere to the plane.
         map: HemisphereMap,

@@ -3,8 +3,9 @@
 //!
 //! Sources: A. Cichocki and A.-H. Phan, "Fast Local Algorithms for Large Scale Nonnegative Matrix and
 //! Tensor Factorizations", 2009; N. Gillis and F. Glineur, "Accelerated Multiplicative Updates and
-//! Hierarchical ALS Algorithms for Nonnegative Matrix Factorization", 2012. The start is that of C. Boutsidis and E. Gallopoulos,
-//! "SVD based initialization", 2008, with its zeros raised so that no entry is stuck.
+//! Hierarchical ALS Algorithms for Nonnegative Matrix Factorization", 2012. The start is that of C.
+//! Boutsidis and E. Gallopoulos, "SVD based initialization", 2008, with its zeros raised so that no
+//! entry is stuck.
 
 use brdf_job::Job;
 use faer::{Mat, MatRef};

@@ -3,22 +3,30 @@
 use brdf_model::{Brdf, Rgb};
 use brdf_param::DirectionPair;
 
-/// A function of one coordinate each, which typical effects of materials follow; in [0, 1], grey.
+/// A grey test function in [0, 1] of a single quantity, which typical effects of materials follow.
+///
+/// ```
+/// use brdf_param::DirectionPair;
+/// use brdf_study::TestFunction;
+///
+/// let pair = DirectionPair::from_angles(0.3, 0.0, 0.3, 0.0);
+/// assert!(TestFunction::Fresnel.value(&pair) < 1e-12, "light and viewer coincide");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestFunction {
-    /// 1 − ‖h̄‖: gloss.
+    /// Gloss: 1 − ‖h̄‖.
     Specular,
-    /// 1 − cos θd.
+    /// The Fresnel effect: 1 − cos θd.
     Fresnel,
-    /// 1 − (wi·n)(wo·n).
+    /// Effects at grazing angles: 1 − (wi·n)(wo·n).
     Grazing,
 }
 
 impl TestFunction {
-    /// All of them.
+    /// All three functions.
     pub const ALL: [Self; 3] = [Self::Specular, Self::Fresnel, Self::Grazing];
 
-    /// The name on the command line.
+    /// Returns the name used on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Specular => "specular",
@@ -27,12 +35,12 @@ impl TestFunction {
         }
     }
 
-    /// The function of a name.
+    /// Returns the function of this name, or `None` where there is none.
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|function| function.name() == name)
     }
 
-    /// Its value.
+    /// Returns the value for a pair, [0, 1].
     pub fn value(self, pair: &DirectionPair) -> f64 {
         let half = 0.5 * (pair.wi + pair.wo);
         match self {

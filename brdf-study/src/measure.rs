@@ -1,4 +1,4 @@
-//! The figures of one material under every parametrization.
+//! The measured figures of one material under every parametrization.
 
 use brdf_job::Job;
 use brdf_model::{Brdf, Channels, PairSampling, SampleSet};
@@ -11,18 +11,20 @@ use crate::STUDIED;
 use crate::grid::{Grid, Means, unit_coordinates};
 use crate::slice::{SliceAlignment, alignment};
 
-/// What is measured with. The defaults give every parametrization 13,824 nodes for resampling.
+/// The options of a study.
+///
+/// The defaults give every parametrization 13,824 nodes for resampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StudyParams {
-    /// Pairs that errors are measured on, and as many that means are taken of.
+    /// Number of pairs that errors are measured on; means are taken over as many others.
     pub pairs: u32,
-    /// Grazing limit, radians.
+    /// Grazing limit, radians, (0, π/2]: pairs lie within it.
     pub theta_max: f64,
-    /// Nodes along each of three axes of the resampled table.
+    /// Number of nodes along each of the three axes of the resampled table.
     pub table: usize,
-    /// Bins along each side of a reduction to two coordinates.
+    /// Number of bins along each side of a reduction to two coordinates.
     pub bins: usize,
-    /// Which scramble of the pairs.
+    /// Seed of the pairs.
     pub seed: u64,
 }
 
@@ -39,33 +41,37 @@ const RANKS: [usize; 4] = [1, 2, 4, 8];
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bivariate {
-    /// The two coordinates.
+    /// Names of the two coordinates.
     pub coordinates: [&'static str; 2],
-    /// √ mean (y − ŷ)² of y = ln(1 + f cosθi), on pairs that the means were not taken of.
+    /// Root of the mean of (y − ŷ)², with y = ln(1 + f cosθi), on pairs that the means were not taken over.
     pub log_cosine_rms: f64,
 }
 
-/// Figures of one material under one parametrization. Errors are of y = ln(1 + f cosθi) with f the
-/// luminance, root mean square over the same pairs for all parametrizations.
+/// The figures of one material under one parametrization.
+///
+/// Errors are root mean squares of y = ln(1 + f cosθi), with f the luminance, over the same pairs for all
+/// parametrizations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParametrizationRow {
-    /// Which.
+    /// Parametrization that the figures belong to.
     pub parametrization: Parametrization,
-    /// How isolines run.
+    /// Alignment of isolines with the axes.
     pub alignment: SliceAlignment,
-    /// 1 − Σ(y − ŷ)² / Σ(y − ȳ)² of the resampled table y and its best sums of 1, 2, 4 and 8 products
-    /// of a function of the first radius and one of the other two coordinates, over the pairs.
+    /// Energy kept by the best sums of 1, 2, 4 and 8 products of a function of the first radius and one of
+    /// the other two coordinates: 1 − Σ(y − ŷ)² / Σ(y − ȳ)² over the pairs, with y the resampled table.
     pub energy: [f64; 4],
     /// The best reduction to two coordinates.
     pub bivariate: Bivariate,
-    /// The reduction to both radii, without the azimuth.
+    /// Error of the best function of both radii, without the azimuth.
     pub radii_only: f64,
     /// Error of a table of equal size, read trilinearly.
     pub resampled: f64,
 }
 
-/// Measures a material under every parametrization of [`STUDIED`]; it is taken to be isotropic.
+/// Returns the figures of a material under every parametrization of [`STUDIED`], in that order.
+///
+/// The material is taken to be isotropic. The `job` is told of progress and can stop the work.
 ///
 /// # Errors
 ///
@@ -102,7 +108,7 @@ pub fn study_material(
         .collect()
 }
 
-/// The parametrization with the smallest figure, or the first of equal ones.
+/// Returns the parametrization with the smallest figure, the first of equal ones, or `None` without rows.
 pub fn best(
     rows: &[ParametrizationRow],
     figure: impl Fn(&ParametrizationRow) -> f64,

@@ -7,27 +7,29 @@ use serde::Serialize;
 use crate::STUDIED;
 use crate::measure::{ParametrizationRow, StudyParams, best};
 
-/// What a study of several materials found: `report.json` of `brdf study`. The first key marks a folder of results.
+/// The results of a study of several materials, which `brdf study` writes to `report.json`.
+///
+/// The first key, `brdf`, marks a folder of results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StudyReport {
     /// Version of the program.
     pub brdf: String,
-    /// Pairs that errors are measured on.
+    /// Number of pairs that errors are measured on.
     pub pairs: u32,
     /// Grazing limit, degrees.
     pub theta_max_deg: f64,
-    /// Nodes of the resampled tables.
+    /// Number of nodes of the resampled tables.
     pub table_nodes: usize,
-    /// How often each parametrization is best, for each figure.
+    /// Number of materials for which each parametrization is best, for each figure.
     pub wins: Vec<Wins>,
     /// Medians over materials, for each parametrization.
     pub medians: Vec<Medians>,
-    /// The same counts among materials with sharp and with broad highlights.
+    /// Counts of wins among materials with sharp and with broad highlights.
     pub by_gloss: Vec<GlossGroup>,
-    /// The materials.
+    /// Figures of each material.
     pub materials: Vec<StudiedMaterial>,
-    /// Materials that could not be studied, and why.
+    /// Materials that could not be studied, each with the reason.
     pub skipped: Vec<String>,
 }
 
@@ -35,47 +37,48 @@ pub struct StudyReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StudiedMaterial {
-    /// Its name.
+    /// Name of the material.
     pub material: String,
-    /// What the data is.
+    /// Kind of its data.
     pub kind: String,
-    /// Rows were interpolated between measurements.
+    /// Whether values were interpolated between scattered measurements.
     pub interpolated: bool,
-    /// Mean |f − f rotated by a quarter| over mean f: the study takes it to be 0.
+    /// Mean of |f − f′| over the mean of f, with f′ the value after a quarter turn; the study takes it to be
+    /// 0.
     pub anisotropy: f64,
-    /// The figures, for each parametrization.
+    /// Figures for each parametrization.
     pub rows: Vec<ParametrizationRow>,
 }
 
-/// How often each parametrization has the smallest value of a figure.
+/// The numbers of materials for which each parametrization has the smallest value of a figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wins {
-    /// Which figure.
+    /// Name of the figure.
     pub figure: &'static str,
     /// Number of materials, for each parametrization.
     pub counts: Vec<(Parametrization, usize)>,
 }
 
-/// Medians over materials.
+/// The medians of all figures over materials, for one parametrization.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Medians {
-    /// Of this parametrization.
+    /// Parametrization of the medians.
     pub parametrization: Parametrization,
-    /// Each figure and its median.
+    /// Name and median of each figure.
     pub values: Vec<(&'static str, f64)>,
 }
 
-/// Counts among some of the materials.
+/// The counts of wins among a group of materials.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GlossGroup {
-    /// Which.
+    /// Name of the group.
     pub group: &'static str,
-    /// How many they are.
+    /// Number of materials in the group.
     pub materials: usize,
-    /// How often each parametrization is best.
+    /// Number of materials for which each parametrization is best.
     pub wins: Vec<Wins>,
 }
 
@@ -100,8 +103,9 @@ const FIGURES: [Figure; 7] = [
 ];
 
 impl StudiedMaterial {
-    /// Returns the record of a material from the figures that [`study_material`](crate::study_material) gave.
-    /// `interpolated` says that rows of a scattered measurement were.
+    /// Returns the record of a material from the figures that [`study_material`](crate::study_material) returned.
+    ///
+    /// `interpolated` says whether values were interpolated between scattered measurements.
     pub fn new(
         material: String,
         kind: &str,
@@ -113,7 +117,7 @@ impl StudiedMaterial {
         Self { material, kind: kind.to_owned(), interpolated, anisotropy, rows }
     }
 
-    /// Returns whether taking the material to be isotropic changes it by more than tables interpolate.
+    /// Returns whether the material is anisotropic by more than interpolation in tables explains.
     pub fn is_anisotropic(&self) -> bool {
         self.anisotropy > ANISOTROPIC
     }
@@ -127,7 +131,7 @@ impl StudiedMaterial {
 }
 
 impl StudyReport {
-    /// Returns the record of materials, with the verdict over all of them.
+    /// Returns the record of a study of these materials, with wins and medians over all of them.
     pub fn new(
         version: &str,
         materials: Vec<StudiedMaterial>,

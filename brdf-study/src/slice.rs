@@ -1,4 +1,4 @@
-//! Slices of an isotropic BRDF at a fixed azimuth, and how their isolines run.
+//! Slices of an isotropic BRDF at a fixed azimuth, and the alignment of their isolines with the axes.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,22 +6,36 @@ use brdf_model::Brdf;
 use brdf_param::{DirectionPair, Parametrization};
 use serde::Serialize;
 
-/// Luminance over the two radial coordinates of a parametrization, at one azimuth between them.
+/// A slice of a material: luminance over the two radial coordinates of a parametrization, at one azimuth
+/// between the points.
+///
+/// ```
+/// use brdf_model::Preset;
+/// use brdf_param::Parametrization;
+/// use brdf_study::Slice;
+///
+/// let plastic = Preset::find("plastic").expect("a preset").brdf();
+/// let slice = Slice::sample(&plastic, Parametrization::HalfDifference, 1.57, 16);
+/// assert_eq!(slice.values.len(), 16 * 16);
+/// let (labels, largest) = Slice::axes(slice.parametrization);
+/// assert_eq!((labels[0], largest), ("theta_h (°)", 90.0));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slice {
-    /// The coordinates.
+    /// Parametrization whose radial coordinates are the axes.
     pub parametrization: Parametrization,
     /// Azimuth of the second point about the first, radians.
     pub azimuth: f64,
-    /// Cells along each side.
+    /// Number of cells along each side.
     pub size: usize,
-    /// Luminance in sr⁻¹ at cell centres, row by row from the smallest second coordinate; none
+    /// Luminance in sr⁻¹ at cell centres, row by row from the smallest second coordinate; `None`
     /// where a direction lies below the horizon or the material has no data.
     pub values: Vec<Option<f64>>,
 }
 
 impl Slice {
-    /// Samples a slice; `size` × `size` cells over both coordinates' ranges.
+    /// Returns the slice of a material at an azimuth in radians, with `size` × `size` cells over the ranges
+    /// of both coordinates.
     pub fn sample(
         brdf: &dyn Brdf,
         parametrization: Parametrization,
@@ -39,7 +53,7 @@ impl Slice {
         Self { parametrization, azimuth, size, values }
     }
 
-    /// Labels of the two axes with units, and the largest value of both.
+    /// Returns the labels of the two axes, with units, and the largest value of both.
     pub fn axes(parametrization: Parametrization) -> ([&'static str; 2], f64) {
         match parametrization {
             Parametrization::Standard => (["theta_i (°)", "theta_o (°)"], 90.0),
@@ -90,15 +104,17 @@ pub(crate) fn share_of(parametrization: Parametrization, point: glam::DVec3) -> 
     }
 }
 
-/// How isolines run: shares of the squared gradient of ln(1 + 100 f), over cells whose neighbours
-/// have data. Coordinates are scaled to [0, 1], the azimuth to half turns.
+/// The alignment of isolines with the axes: shares of the squared gradient of ln(1 + 100 f), over cells whose
+/// neighbours have data.
+///
+/// Coordinates are scaled to [0, 1], the azimuth to half turns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SliceAlignment {
-    /// Σ min(gu², gv²) / Σ (gu² + gv²), within slices: 0 where every isoline runs along an axis, ½
-    /// where all are diagonal.
+    /// Share across the axes, Σ min(gu², gv²) / Σ (gu² + gv²) within slices: 0 where every isoline runs along
+    /// an axis, ½ where all are diagonal.
     pub across_axes: f64,
-    /// Share of the gradient along the azimuth: 0 where all slices are alike.
+    /// Share along the azimuth: 0 where all slices are alike.
     pub along_azimuth: f64,
 }
 
@@ -109,7 +125,7 @@ const SLICES: usize = 13;
 /// would draw.
 const GAIN: f64 = 100.0;
 
-/// The alignment of a material's isolines with the axes of a parametrization.
+/// Returns the alignment of a material's isolines with the axes of a parametrization.
 pub fn alignment(brdf: &dyn Brdf, parametrization: Parametrization) -> SliceAlignment {
     let slices: Vec<Vec<Option<f64>>> = (0..SLICES)
         .map(|index| {

@@ -20,25 +20,25 @@ pub enum BtfError {
     /// A name that has some of the keys.
     #[error("{name}: its name has {found}; expected one angle for each of tl, pl, tv and pv")]
     PartialName {
-        /// Which image.
+        /// Name of the image.
         name: String,
-        /// What its name has.
+        /// Keys that its name has.
         found: String,
     },
     /// A direction that does not point away from the surface.
     #[error("{name}: the {what} stands at {theta_deg}° from the normal; expected 0° to 90°")]
     BelowHorizon {
-        /// Which image.
+        /// Name of the image.
         name: String,
         /// View or light.
         what: &'static str,
-        /// Its polar angle in degrees.
+        /// Polar angle of the direction, degrees.
         theta_deg: f64,
     },
     /// Two images of the same directions.
     #[error("{name}: {other} has the same view and light; expected one image for each pair")]
     Duplicate {
-        /// Which image.
+        /// Name of the image.
         name: String,
         /// The other one.
         other: String,
@@ -46,28 +46,28 @@ pub enum BtfError {
     /// Too few directions to interpolate between.
     #[error("found {found} {what}; expected at least {least}")]
     TooFew {
-        /// What there is too little of.
+        /// Name of what there is too little of.
         what: String,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many there should be.
+        /// Number expected.
         least: usize,
     },
     /// More files, entries or directions than any BTF has.
     #[error("more than {limit} {what}")]
     TooMany {
-        /// What there is too much of.
+        /// Name of what there is too much of.
         what: &'static str,
-        /// How many are read.
+        /// Most that are read.
         limit: usize,
     },
     /// Images of different size.
     #[error("{name}: {} × {} texels; expected {} × {} as in {other}", size[0], size[1],
         expected[0], expected[1])]
     Sizes {
-        /// Which image.
+        /// Name of the image.
         name: String,
-        /// Its width and height.
+        /// Width and height of the image.
         size: [usize; 2],
         /// Width and height of the first image.
         expected: [usize; 2],
@@ -77,7 +77,7 @@ pub enum BtfError {
     /// Display-referred 8-bit images together with linear ones.
     #[error("{name}: {}; expected {} as in {other}", range(*linear), range(!*linear))]
     MixedRanges {
-        /// Which image.
+        /// Name of the image.
         name: String,
         /// Whether it is the linear one.
         linear: bool,
@@ -87,39 +87,39 @@ pub enum BtfError {
     /// An image that cannot be decoded.
     #[error("{name}: {problem}")]
     Image {
-        /// Which image.
+        /// Name of the image.
         name: String,
-        /// What is wrong with it.
+        /// Error of the reader.
         problem: FormatError,
     },
     /// More bytes, packed or unpacked, than an image may have.
     #[error("{name}: more than {limit} bytes")]
     TooLong {
-        /// Which image.
+        /// Name of the image.
         name: String,
-        /// How many are read.
+        /// Most that are read.
         limit: u64,
     },
     /// An archive that needs a password.
     #[error("{name}: encrypted; expected an archive without a password")]
     Encrypted {
-        /// Which image.
+        /// Name of the image.
         name: String,
     },
     /// An archive that cannot be read.
     #[error("archive: {problem}")]
     Archive {
-        /// What the library said.
+        /// Message of the library.
         problem: String,
     },
     /// The file system refused.
     #[error("{name}: {action}: {problem}")]
     File {
-        /// Which file or folder.
+        /// Name of the file or folder.
         name: String,
-        /// What was attempted.
+        /// Action that was attempted.
         action: &'static str,
-        /// What the system said.
+        /// Error of the file system.
         problem: std::io::Error,
     },
     /// No room for the decoded images.
@@ -133,7 +133,7 @@ pub enum BtfError {
         needed: u64,
         /// Bytes that may be in memory.
         limit: usize,
-        /// Where temporary files go.
+        /// Folder of temporary files.
         folder: PathBuf,
         /// Bytes that are free there.
         free: u64,
@@ -141,11 +141,11 @@ pub enum BtfError {
     /// The system refused memory or a temporary file.
     #[error("{action} for {needed} bytes of decoded images: {problem}")]
     Storage {
-        /// What was attempted.
+        /// Action that was attempted.
         action: &'static str,
         /// Bytes of all images.
         needed: u64,
-        /// What the system said.
+        /// Error of the file system.
         problem: std::io::Error,
     },
 }

@@ -11,9 +11,9 @@ const STEPS: u16 = u16::MAX;
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let byte = |step: u16| {
-        let encoded = encode_srgb(f64::from(step) / f64::from(STEPS));
+        let level = 255.0 * encode_srgb(f64::from(step) / f64::from(STEPS));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 255")]
-        let byte = (255.0 * encoded).round() as u8;
+        let byte = level.round() as u8;
         byte
     };
     (0..=STEPS).map(byte).collect()

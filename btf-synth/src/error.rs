@@ -17,7 +17,7 @@ pub enum SynthError {
     /// The number of values is not that of the texels.
     #[error("{what}: {found} values; expected {expected}")]
     Length {
-        /// Which map.
+        /// Name of the map.
         what: &'static str,
         /// Values that are there.
         found: usize,
@@ -27,33 +27,33 @@ pub enum SynthError {
     /// A value that the map must not hold.
     #[error("{what}, texel {texel}: {value}; expected {expected}")]
     Value {
-        /// Which map.
+        /// Name of the map.
         what: &'static str,
         /// Row-major index.
         texel: usize,
-        /// What stands there.
+        /// Content found there.
         value: f32,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
     /// Maps of one surface differ in size.
     #[error("{what}: {found:?} texels; expected {expected:?}")]
     Mismatch {
-        /// Which map.
+        /// Name of the map.
         what: &'static str,
-        /// Its width and height.
+        /// Width and height of the map.
         found: [usize; 2],
-        /// Those of the others.
+        /// Width and height of the others.
         expected: [usize; 2],
     },
     /// An option outside its range.
     #[error("{what}: {value}; expected {expected}")]
     Option {
-        /// Which one.
+        /// Name of the option.
         what: &'static str,
-        /// What was given.
+        /// Value that was given.
         value: f64,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
 }

@@ -154,8 +154,7 @@ impl BoxFilter {
             let weights = (first..=last)
                 .map(|texel| {
                     let overlap = end.min((texel + 1) * to) - start.max(texel * to);
-                    let weight = overlap as f64 / from as f64;
-                    weight
+                    overlap as f64 / from as f64
                 })
                 .collect();
             (first, weights)

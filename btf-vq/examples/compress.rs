@@ -17,21 +17,39 @@ use glam::DVec3;
 /// Stripes of two colours with a gloss, linear radiance under irradiance π.
 struct Stripes(BtfLayout);
 
+impl Stripes {
+    #[expect(clippy::cast_possible_truncation, reason = "images are f32")]
+    fn radiance(texel: usize, wi: DVec3, wo: DVec3) -> [f32; 3] {
+        let gloss = 0.3 * (wi + wo).normalize_or(DVec3::Z).z.powi(20);
+        let albedo = if texel / 2 % 2 == 0 { [0.7, 0.3, 0.2] } else { [0.2, 0.4, 0.6] };
+        albedo.map(|a| (wi.z * (a + gloss)) as f32)
+    }
+
+    /// Directions to light and viewer of all images.
+    fn pairs(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        self.0.views.iter().flat_map(|view| view.lights.iter().map(|wi| (*wi, view.wo)))
+    }
+}
+
 impl BtfSource for Stripes {
     fn layout(&self) -> &BtfLayout {
         &self.0
     }
 
     fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError> {
-        let pairs = self.0.views.iter().flat_map(|v| v.lights.iter().map(|wi| (*wi, v.wo)));
-        for ((wi, wo), image) in pairs.zip(out.chunks_exact_mut(3 * texels.len())) {
-            let gloss = 0.3 * (wi + wo).normalize_or(DVec3::Z).z.powi(20);
+        for ((wi, wo), image) in self.pairs().zip(out.chunks_exact_mut(3 * texels.len())) {
             for (texel, rgb) in texels.clone().zip(image.as_chunks_mut::<3>().0) {
-                let albedo = if texel / 2 % 2 == 0 { [0.7, 0.3, 0.2] } else { [0.2, 0.4, 0.6] };
-                #[expect(clippy::cast_possible_truncation, reason = "images are f32")]
-                let value = albedo.map(|a| (wi.z * (a + gloss)) as f32);
-                *rgb = value;
+                *rgb = Self::radiance(texel, wi, wo);
             }
+        }
+        Ok(())
+    }
+
+    // Without this, an image would be read block by block, with all other images.
+    fn read_image(&self, image: usize, out: &mut [f32]) -> Result<(), SourceError> {
+        let (wi, wo) = self.pairs().nth(image).ok_or("no such image")?;
+        for (texel, rgb) in out.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            *rgb = Self::radiance(texel, wi, wo);
         }
         Ok(())
     }
@@ -54,9 +72,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         encoding: Encoding::Linear,
         cosine_included: true,
     });
-    let grid = GridChoice { nodes: Some([7, 7, 5, 8]), ..GridChoice::default() };
-    let inputs = TextureInputs::images(vec![("stripes".to_owned(), &stripes)], grid, false);
-    let settings = CompressSettings { ratio: 700.0, ..CompressSettings::default() };
+    let inputs =
+        TextureInputs::images(vec![("stripes".to_owned(), &stripes)], GridChoice::default(), false);
+    let settings = CompressSettings { ratio: 100.0, ..CompressSettings::default() };
     let bytes = |model: &BtfModel, _: &BtfRecord| model.stream_bytes().iter().map(|s| s.1).sum();
     let model = compress(&inputs, &settings, None, &bytes, &Job::new())?.model;
     for (name, bytes) in model.stream_bytes() {

@@ -29,9 +29,9 @@ pub struct Tabulated {
 /// ```
 /// use btf_vq::{AngularGrid, NodeTable, tabulate};
 ///
-/// let white = brdf_model::Lambert { albedo: brdf_model::Rgb::splat(1.0) };
+/// let grey = brdf_model::Preset::find("lambert").expect("a built-in material").brdf();
 /// let mut table = NodeTable::new(AngularGrid { phis: 1, ..AngularGrid::default() })?;
-/// let changed = tabulate(&mut table, &white)?;
+/// let changed = tabulate(&mut table, &grey)?;
 /// assert_eq!((table.len(), changed.without_data, changed.clamped), (1, 0, 0));
 /// # Ok::<(), btf_vq::VqError>(())
 /// ```

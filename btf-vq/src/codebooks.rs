@@ -78,25 +78,25 @@ impl IndexCodebook {
 pub struct Codebooks {
     /// Lengths of rows and meaning of nodes.
     pub grid: AngularGrid,
-    /// What values mean.
+    /// Meaning of the values.
     pub encoding: Encoding,
-    /// How chrominance goes with luminance.
+    /// Relation of chrominance to luminance.
     pub chroma: Chroma,
     /// Luminance along β, of unit integral (trapezoidal rule over nodes).
     pub p1: ValueBook,
-    /// Over α, into P1.
+    /// Rows over α of entries that point into P1.
     pub p2: IndexCodebook,
     /// Two chrominances in each row.
     pub c: ValueBook,
-    /// Along β, into C.
+    /// Rows along β of entries that point into C.
     pub i1: IndexCodebook,
-    /// Over α, into I1.
+    /// Rows over α of entries that point into I1.
     pub i2: IndexCodebook,
-    /// Into P2 and into I2.
+    /// Rows of two entries, which point into P2 and into I2.
     pub m: IndexCodebook,
-    /// Over θv, into M.
+    /// Rows over θv of entries that point into M.
     pub p3: IndexCodebook,
-    /// Over φv, into P3.
+    /// Rows over φv of entries that point into P3.
     pub p4: IndexCodebook,
 }
 

@@ -99,13 +99,13 @@ impl Default for CompressSettings {
 /// A compressed BTF that more textures are added to.
 #[derive(Clone, Debug)]
 pub struct Base {
-    /// Its codebooks.
+    /// Codebooks of the model.
     pub books: Codebooks,
-    /// Its textures.
+    /// Textures of the model.
     pub textures: Vec<CompressedTexture>,
-    /// How it was made.
+    /// Record of how it was made.
     pub made: BtfRecord,
-    /// Bytes of its file.
+    /// Bytes of the model's file.
     pub bytes: usize,
 }
 
@@ -123,9 +123,9 @@ pub struct ResamplingCounts {
 pub struct Compressed {
     /// The model.
     pub model: BtfModel,
-    /// How it was made, to be stored beside it.
+    /// Record of how it was made, to be stored beside it.
     pub record: BtfRecord,
-    /// What resampling changed.
+    /// Counts of what resampling changed.
     pub resampling: ResamplingCounts,
 }
 

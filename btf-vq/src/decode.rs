@@ -23,9 +23,9 @@ use crate::{AngularGrid, Chroma, Encoding, LightTaps, Pair, Quantizer, ViewTaps,
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Taps {
-    /// Of the view.
+    /// Nodes around the view direction.
     pub view: ViewTaps,
-    /// Of the light, relative to the view's azimuth.
+    /// Nodes around the light direction, relative to the view's azimuth.
     pub light: LightTaps,
 }
 

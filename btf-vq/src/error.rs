@@ -10,13 +10,13 @@ pub enum VqError {
          at most 2^24 in all"
     )]
     Grid {
-        /// Along α.
+        /// Nodes along α.
         alphas: usize,
-        /// Along β.
+        /// Nodes along β.
         betas: usize,
-        /// Along θv.
+        /// Nodes along θv.
         thetas: usize,
-        /// Along φv.
+        /// Nodes along φv.
         phis: usize,
     },
     /// Too few directions to interpolate between.
@@ -24,9 +24,9 @@ pub enum VqError {
     Directions {
         /// Views, or lights of a view.
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many are needed.
+        /// Number needed.
         expected: usize,
     },
     /// A source without texels.
@@ -49,33 +49,33 @@ pub enum VqError {
     /// A model that no budget of this size can hold.
     #[error("{bytes} bytes are too few for {what}; the least is {least}")]
     Budget {
-        /// What was asked for.
+        /// Bytes that were asked for.
         bytes: u64,
-        /// What should fit.
+        /// Name of what should fit.
         what: String,
-        /// What it takes.
+        /// Bytes that it takes.
         least: u64,
     },
     /// Materials that cannot share books.
     #[error("{what} differ: {found}; expected {expected}")]
     Mixed {
-        /// Which property.
+        /// Name of the property.
         what: &'static str,
-        /// Of the second.
+        /// Property of the second set.
         found: String,
-        /// Of the first.
+        /// Property of the first set.
         expected: String,
     },
     /// An index past the end of the book that it points into.
     #[error("{book}: row {row} points to row {index} of {target}, which has {rows}")]
     Index {
-        /// Where it stands.
+        /// Name of the book where it stands.
         book: &'static str,
         /// Row there.
         row: usize,
-        /// What it says.
+        /// Index found.
         index: u32,
-        /// Where it points.
+        /// Name of the book that it points into.
         target: &'static str,
         /// Rows there.
         rows: usize,
@@ -83,7 +83,7 @@ pub enum VqError {
     /// A stream of another length than its rows need.
     #[error("{book}: {found} bytes; expected {expected} for {rows} rows")]
     Stream {
-        /// Which book.
+        /// Name of the book.
         book: &'static str,
         /// Bytes found.
         found: usize,
@@ -95,11 +95,11 @@ pub enum VqError {
     /// A header that makes no sense.
     #[error("{what} is {found}; expected {expected}")]
     Header {
-        /// Which field.
+        /// Name of the field.
         what: &'static str,
-        /// What it holds.
+        /// Content found.
         found: String,
-        /// What would do.
+        /// Expected content.
         expected: &'static str,
     },
     /// A texture of this name is there already.
@@ -111,7 +111,7 @@ pub enum VqError {
     /// A texture that the model does not hold.
     #[error("no texture {name}")]
     NoTexture {
-        /// Its name.
+        /// Name of the BRDF.
         name: String,
     },
     /// The work was stopped.

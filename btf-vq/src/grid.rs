@@ -48,7 +48,7 @@ pub struct AngularGrid {
     pub thetas: usize,
     /// Azimuths of the view; 1 for isotropic materials.
     pub phis: usize,
-    /// What α and β are.
+    /// Map from light directions to α and sin β.
     pub parametrization: LightParametrization,
 }
 
@@ -136,18 +136,18 @@ fn fast_atan2(y: f32, x: f32) -> f32 {
 /// The nodes around a view direction and their weights.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ViewTaps {
-    /// Along θv.
+    /// Nodes along θv.
     pub theta: Pair,
-    /// Along φv.
+    /// Nodes along φv.
     pub phi: Pair,
 }
 
 /// The nodes around a light direction and their weights.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct LightTaps {
-    /// Along α.
+    /// Nodes along α.
     pub alpha: Pair,
-    /// Along sin β.
+    /// Nodes along sin β.
     pub beta: Pair,
 }
 

@@ -22,7 +22,7 @@ pub struct GridChoice {
     /// Nodes along α, β, θv and φv; `None` takes those of the paper: 11 × 11 × 7 × 16 for images, 91 × 91 × 45 × 1
     /// for BRDFs.
     pub nodes: Option<[usize; 4]>,
-    /// How light directions are laid out.
+    /// Map from light directions to the grid.
     pub parametrization: LightParametrization,
 }
 

@@ -60,9 +60,9 @@ pub struct TextureHeader {
 pub struct Header {
     /// Lengths of rows and meaning of nodes.
     pub grid: AngularGrid,
-    /// What values mean.
+    /// Meaning of the values.
     pub encoding: Encoding,
-    /// How chrominance goes with luminance.
+    /// Relation of chrominance to luminance.
     pub chroma: Chroma,
     /// Sizes of the books.
     pub rows: Rows,

@@ -38,11 +38,11 @@ pub struct CodeSet {
 /// The best code of a vector, with scale and error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
-    /// Returns the luminance, of unit length, and the chrominance of a code.
+    /// Index of the code; the lowest of equals.
     pub code: usize,
     /// Best scale of its unit luminance, 0 or above.
     pub gain: f32,
-    /// What is explained: the squared length of the vector less this is the squared error.
+    /// Explained part: the squared length of the vector less this is the squared error.
     pub score: f32,
 }
 

@@ -25,7 +25,7 @@ pub enum Spacing {
 pub struct Quantizer {
     /// Bits of a code, 1 to 16.
     pub bits: u32,
-    /// How they are spaced.
+    /// Spacing of the codes.
     #[serde(rename = "law")] // its name in files
     pub spacing: Spacing,
     /// Least value (above 0, of a logarithmic one).

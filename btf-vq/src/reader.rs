@@ -57,9 +57,9 @@ impl BtfModel {
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there is one for each texture")]
 pub enum BtfReader<'a> {
-    /// Of nested codebooks.
+    /// Reader of nested codebooks.
     Vq(Decoder<'a>),
-    /// Of local principal components.
+    /// Reader of local principal components.
     Lpca(LpcaDecoder<'a>),
 }
 

@@ -55,7 +55,7 @@ pub struct Encoded {
     pub index: Vec<u32>,
     /// Scale of each texel.
     pub scale: Vec<f32>,
-    /// What was lost.
+    /// Errors that each level added.
     pub errors: LevelErrors,
 }
 

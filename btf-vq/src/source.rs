@@ -36,7 +36,7 @@ pub struct BtfLayout {
     pub height: usize,
     /// Views in the order of the images.
     pub views: Vec<BtfView>,
-    /// What the numbers mean.
+    /// Meaning of the numbers.
     pub encoding: Encoding,
     /// Whether values contain the cosine of the light's polar angle.
     pub cosine_included: bool,

@@ -76,8 +76,7 @@ fn uniform(index: u32) -> [f64; 2] {
         let mut z = (u64::from(index) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(salt);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        unit
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     };
     [mix(1), mix(0x5851_f42d_4c95_7f2d)]
 }

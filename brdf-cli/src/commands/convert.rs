@@ -4,15 +4,15 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::bail;
-use brdf_io::{
-    Measured, merl_to_bytes, model_to_bytes, samples_to_bytes, samples_to_csv, separable_to_bytes,
-    table_to_bytes, write_atomically,
-};
-use brdf_model::{Channels, MerlTable, PairSampling, SampleSet};
+use anyhow::{Context as _, bail};
+use brdf_container::{Converted, MaterialFile, Tabulated};
+use brdf_files::write_atomically;
+use brdf_io::{write_merl, write_samples};
+use brdf_model::{MerlTable, PairSampling};
 
+use crate::advice::read_notes;
 use crate::args::{ForceArgs, ReadArgs};
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Write a material in another format: .binary (MERL), .csv or .safetensors
 ///
@@ -42,7 +42,7 @@ pub(super) struct Convert {
 }
 
 /// Gives a file's bytes and a sentence about them.
-type Encoder = fn(&Convert, &Subject) -> anyhow::Result<(Vec<u8>, String)>;
+type Encoder = fn(&Convert, &MaterialFile) -> anyhow::Result<(Vec<u8>, String)>;
 
 impl Convert {
     pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
@@ -56,31 +56,38 @@ impl Convert {
                 self.output.display()
             ),
         };
-        let subject = Subject::open(&self.input, &self.read.options())?;
-        let (bytes, said) = encode(&self, &subject)?;
+        let material = self.read.open(&self.input)?;
+        let watch = Watch::start();
+        watch.step("converting");
+        let (bytes, said) = encode(&self, &material)?;
         write_atomically(&self.output, &bytes, self.force.overwrite())?;
-        for note in subject.notes() {
+        drop(watch);
+        for note in read_notes(&material.notes) {
             writeln!(std::io::stderr(), "{note}")?;
         }
         writeln!(std::io::stderr(), "{said}")?;
         Ok(ExitCode::SUCCESS)
     }
 
-    fn merl(&self, subject: &Subject) -> anyhow::Result<(Vec<u8>, String)> {
-        let (table, how) = merl_grid(subject)?;
-        let said =
-            format!("{how}; {} of {} cells invalid", table.invalid_cells(), MerlTable::CELLS);
-        Ok((merl_to_bytes(&table), said))
+    fn merl(&self, material: &MaterialFile) -> anyhow::Result<(Vec<u8>, String)> {
+        let (table, how) = material.merl_table().with_context(|| scattered(material))?;
+        let said = format!(
+            "{}; {} of {} cells invalid",
+            in_words(how),
+            table.invalid_cells(),
+            MerlTable::CELLS
+        );
+        Ok((write_merl(&table), said))
     }
 
-    fn csv(&self, subject: &Subject) -> anyhow::Result<(Vec<u8>, String)> {
-        let (samples, how) = match subject.samples() {
+    fn csv(&self, file: &MaterialFile) -> anyhow::Result<(Vec<u8>, String)> {
+        let material = file.material();
+        let (samples, how) = match material.samples() {
             Some(rows) => (rows.clone(), "measured rows"),
             None => {
                 let theta_max = 80_f64.to_radians();
                 let sampling = PairSampling { count: self.samples, seed: 1, theta_max };
-                let channels: Channels = subject.channels();
-                (SampleSet::draw(subject.brdf(), &sampling, channels), "pairs drawn within 80°")
+                (material.draw(&sampling, material.channels()), "pairs drawn within 80°")
             }
         };
         let said = format!(
@@ -89,43 +96,40 @@ impl Convert {
             samples.dropped(),
             samples.clamped()
         );
-        Ok((samples_to_csv(&samples).into_bytes(), said))
+        Ok((write_samples(&samples).into_bytes(), said))
     }
 
-    fn container(&self, subject: &Subject) -> anyhow::Result<(Vec<u8>, String)> {
-        if let Some(rows) = subject.samples() {
-            let said = format!("{} measured rows; dropped: {}", rows.len(), rows.dropped());
-            return Ok((samples_to_bytes(rows)?, said));
-        }
-        let unchanged = || "the model, unchanged".to_owned();
-        match subject.measurement().map(|m| &m.measured) {
-            Some(Measured::Model(file)) => return Ok((model_to_bytes(file)?, unchanged())),
-            Some(Measured::Separable(file)) => return Ok((separable_to_bytes(file)?, unchanged())),
-            _ => {}
-        }
-        let (table, how) = merl_grid(subject)?;
-        Ok((table_to_bytes(&table)?, how))
+    fn container(&self, material: &MaterialFile) -> anyhow::Result<(Vec<u8>, String)> {
+        let (bytes, converted) = material.to_container()?;
+        let said = match (converted, material.samples()) {
+            (Converted::Rows, Some(rows)) => {
+                format!("{} measured rows; dropped: {}", rows.len(), rows.dropped())
+            }
+            (Converted::Rows | Converted::Model, _) => "the model, unchanged".to_owned(),
+            (Converted::Table(how), _) => in_words(how),
+        };
+        Ok((bytes, said))
     }
 }
 
-/// The material on MERL's grid: as stored, or evaluated at its cell centres.
-fn merl_grid(subject: &Subject) -> anyhow::Result<(MerlTable, String)> {
-    if subject.samples().is_some() {
-        bail!(
-            "{}: scattered samples do not fill MERL's grid; factor them first and convert the model",
-            subject.argument
-        );
+fn scattered(material: &MaterialFile) -> String {
+    format!(
+        "{}: scattered samples do not fill MERL's grid; factor them first and convert the model",
+        material.source
+    )
+}
+
+fn in_words(how: Tabulated) -> String {
+    match how {
+        Tabulated::Copied => "the table, cell by cell".to_owned(),
+        Tabulated::Evaluated { held_beyond } => {
+            let held = held_beyond.map_or_else(String::new, |limit| {
+                format!("; beyond {:.2}° the model holds its value there", limit.to_degrees())
+            });
+            format!(
+                "evaluated at the cell centres of MERL's grid, with negative values set to 0, and made \
+                 reciprocal{held}"
+            )
+        }
     }
-    if let Some(Measured::Merl(table)) = subject.measurement().map(|m| &m.measured) {
-        return Ok((table.clone(), "the table, cell by cell".to_owned()));
-    }
-    let mut how =
-        "evaluated at the cell centres of MERL's grid, with negative values set to 0, and made \
-                   reciprocal"
-            .to_owned();
-    if let Some(Measured::Model(file)) = subject.measurement().map(|m| &m.measured) {
-        let limit = file.model.theta_max().to_degrees();
-        how.push_str(&format!("; beyond {limit:.2}° the model holds its value there"));
-    }
-    Ok((MerlTable::tabulate(subject.brdf()), how))
 }

@@ -4,11 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use brdf_io::{IoError, MappedFile, direction_rows, direction_table_header};
+use brdf_container::{Content, Evaluated};
+use brdf_factor::EvalCounts;
+use brdf_files::{FileError, MappedFile};
+use brdf_io::{direction_rows, direction_table_header};
 use brdf_param::DirectionPair;
 
 use crate::args::{ReadArgs, TableArgs};
-use crate::subject::Subject;
 
 /// Evaluate a material at given directions
 ///
@@ -35,58 +37,48 @@ pub(super) struct Eval {
 
 impl Eval {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
-        let subject = Subject::open(&self.model, &self.read.options())?;
+        let material = self.read.open(&self.model)?;
         let bytes = MappedFile::open(&self.directions)?;
-        let in_file = IoError::format(&self.directions);
-        let text = String::from_utf8_lossy(&bytes);
-        let rows = direction_rows(&text).map_err(in_file)?;
+        let rows = direction_rows(&String::from_utf8_lossy(&bytes))
+            .map_err(FileError::content(&self.directions))?;
+        let (pairs, angles): (Vec<DirectionPair>, Vec<String>) = rows.into_iter().unzip();
+        let Evaluated { values, below_horizon, without_data, negative, factored } =
+            material.evaluate(&pairs);
         let mut table = format!("{}\n", direction_table_header(true));
-        let (mut below, mut without_data) = (0_usize, 0_usize);
-        for (pair, angles) in &rows {
-            let value = subject.brdf().eval(pair);
-            let lit = pair.wi.z > 0.0 && pair.wo.z > 0.0;
-            below += usize::from(!lit);
-            let known = !lit || subject.brdf().has_data(pair);
-            without_data += usize::from(!known);
-            let [r, g, b] = if known { value.channels() } else { [f64::NAN; 3] };
+        for (value, angles) in values.iter().zip(&angles) {
+            let [r, g, b] = value.channels();
             table.push_str(&format!("{angles},{r},{g},{b}\n"));
         }
         self.table.write(&table, out)?;
-        if below + without_data > 0 {
+        let mut err = std::io::stderr();
+        if below_horizon + without_data > 0 {
             writeln!(
-                std::io::stderr(),
-                "{below} rows below the horizon (0), {without_data} without data (NaN)"
+                err,
+                "{below_horizon} rows below the horizon (0), {without_data} without data (NaN)"
             )?;
         }
-        if subject.samples().is_some() {
+        if material.samples().is_some() {
             writeln!(
-                std::io::stderr(),
+                err,
                 "{}: scattered samples; values are interpolated between the nearest ones",
-                subject.argument
+                material.source
             )?;
         }
-        if let Some(brdf_io::Measured::Separable(_)) = subject.measurement().map(|m| &m.measured) {
-            let is_negative = |pair: &DirectionPair| {
-                subject.brdf().eval_unclamped(pair).channels().iter().any(|v| *v < 0.0)
-            };
-            let count = rows.iter().filter(|(pair, _)| is_negative(pair)).count();
-            if count > 0 {
-                writeln!(std::io::stderr(), "{count} rows with a negative value, set to 0")?;
-            }
+        if negative > 0 {
+            writeln!(err, "{negative} rows with a negative value, set to 0")?;
         }
-        if let Some(brdf_io::Measured::Model(file)) = subject.measurement().map(|m| &m.measured) {
-            let counts = file.model.count(rows.iter().map(|(pair, _)| *pair));
-            if counts != brdf_factor::EvalCounts::default() {
-                writeln!(
-                    std::io::stderr(),
-                    "{} rows beyond the model's grazing limit of {:.4}°, pulled back to it; {} moved \
-                     to the rim of a texture; {} negative values set to 0",
-                    counts.pulled_back,
-                    file.model.theta_max().to_degrees(),
-                    counts.outside_texture,
-                    counts.clamped_below_zero
-                )?;
-            }
+        if let (Content::Factored(file), Some(counts)) = (&material.content, factored)
+            && counts != EvalCounts::default()
+        {
+            writeln!(
+                err,
+                "{} rows beyond the model's grazing limit of {:.4}°, pulled back to it; {} moved \
+                 to the rim of a texture; {} negative values set to 0",
+                counts.pulled_back,
+                file.model.theta_max().to_degrees(),
+                counts.outside_texture,
+                counts.clamped_below_zero
+            )?;
         }
         Ok(ExitCode::SUCCESS)
     }

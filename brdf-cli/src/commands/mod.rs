@@ -1,15 +1,12 @@
 //! The command line: one module per subcommand.
 
-mod btf;
 mod compare;
 mod completions;
 mod convert;
 mod eval;
 mod factor;
 mod info;
-mod paint;
 mod plot;
-mod relight;
 mod render;
 mod sample;
 mod study;
@@ -43,12 +40,6 @@ enum Command {
     Study(study::Study),
     Eval(eval::Eval),
     Sample(sample::Sample),
-    #[command(subcommand)]
-    Btf(btf::Btf),
-    #[command(subcommand)]
-    Paint(paint::Paint),
-    #[command(subcommand)]
-    Relight(relight::Relight),
     Convert(convert::Convert),
     Completions(completions::Completions),
 }
@@ -64,9 +55,6 @@ impl Cli {
             Command::Study(command) => command.run(out),
             Command::Eval(command) => command.run(out),
             Command::Sample(command) => command.run(out),
-            Command::Btf(command) => command.run(out),
-            Command::Paint(command) => command.run(out),
-            Command::Relight(command) => command.run(out),
             Command::Convert(command) => command.run(out),
             Command::Completions(command) => command.run(out),
         }

@@ -5,27 +5,24 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
-use brdf_image::DisplayImage;
-use brdf_io::{Measured, write_atomically};
-use brdf_model::{Brdf, Channels, MerlLookup};
-use brdf_param::{HemisphereMap, Parametrization};
+use brdf_container::{Content, MaterialFile};
+use brdf_files::write_atomically;
+use brdf_fit::{light_view_spectrum, rank_errors};
+use brdf_io::Measured;
+use brdf_model::{Brdf, MerlLookup};
 use brdf_plot::{
-    Curves, Plot, Scale, Series, plot_coverage, plot_curves, plot_lobes, plot_parametrizations,
-    plot_polar, plot_slices, plot_test_functions, plot_textures,
+    Plot, plot_coverage, plot_lobes, plot_parametrizations, plot_polar, plot_slices,
+    plot_test_functions,
 };
-use brdf_render::{Side, term_view, texture_view};
-use brdf_separable::{
-    BrdfMatrix, Decomposition, EigenSolver, HemisphereGrid, Layout, MatrixParams, RankCosineRms,
-    SeparableParams, cosine_rms_by_rank, factorize_matrix,
+use brdf_report::{
+    factored_textures_plot, rank_error_plot, separable_textures_plot, spectrum_plot,
 };
 use brdf_study::TestFunction;
 use clap::ValueEnum;
 
 use crate::args::{ForceArgs, ReadArgs, usage};
 use crate::choices::SpaceArg;
-use crate::progress::Progress;
-use crate::report::separable::spectrum_plot;
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Plot materials as SVG or PNG
 ///
@@ -102,28 +99,28 @@ fn azimuth(text: &str) -> Result<f64, String> {
 
 /// A material, or a test function of the parametrization study.
 enum Plotted {
-    Material(Subject),
+    Material(Box<MaterialFile>),
     Function(TestFunction),
 }
 
 impl Plotted {
     fn brdf(&self) -> &dyn Brdf {
         match self {
-            Self::Material(subject) => subject.brdf(),
+            Self::Material(file) => file.brdf(),
             Self::Function(function) => function,
         }
     }
 
     fn name(&self) -> String {
         match self {
-            Self::Material(subject) => subject.short_name(),
+            Self::Material(file) => file.short_name(),
             Self::Function(function) => function.name().to_owned(),
         }
     }
 
-    fn material(&self) -> anyhow::Result<&Subject> {
+    fn material(&self) -> anyhow::Result<&MaterialFile> {
         match self {
-            Self::Material(subject) => Ok(subject),
+            Self::Material(file) => Ok(file),
             Self::Function(function) => {
                 bail!("function:{}: expected a material for this kind of plot", function.name())
             }
@@ -141,18 +138,20 @@ impl PlotArgs {
             Some("png") => true,
             _ => bail!("{}: unknown extension; expected .svg or .png", self.output.display()),
         };
-        let plot = self.plot()?;
+        let watch = Watch::start();
+        watch.step("plotting");
+        let plot = self.plot(&watch)?;
         let bytes = if as_png { plot.png()? } else { plot.svg().as_bytes().to_vec() };
+        drop(watch);
         write_atomically(&self.output, &bytes, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
     }
 
-    fn plot(&self) -> anyhow::Result<Plot> {
+    fn plot(&self, watch: &Watch) -> anyhow::Result<Plot> {
         if self.kind == Kind::Parametrizations && self.models == ["function:all"] {
             return Ok(plot_test_functions()?);
         }
-        let options = self.read.options();
         let models: Vec<Plotted> = self
             .models
             .iter()
@@ -164,7 +163,7 @@ impl PlotArgs {
                     })?;
                     Ok(Plotted::Function(function))
                 }
-                None => Ok(Plotted::Material(Subject::open(argument, &options)?)),
+                None => Ok(Plotted::Material(Box::new(self.read.open(argument)?))),
             })
             .collect::<anyhow::Result<_>>()?;
         let only = || match &models[..] {
@@ -193,127 +192,52 @@ impl PlotArgs {
                 Ok(plot_parametrizations(&model.name(), model.brdf())?)
             }
             Kind::Factors => factors(only()?.material()?),
-            Kind::Spectrum => spectrum(only()?.material()?),
+            Kind::Spectrum => spectrum(only()?.material()?, watch),
             Kind::Coverage => {
-                let subject = only()?.material()?;
-                let name = subject.short_name();
-                if let Some(Measured::Merl(table)) = subject.measurement().map(|m| &m.measured) {
+                let file = only()?.material()?;
+                let name = file.short_name();
+                if let Content::Measured(Measured::Merl(table)) = &file.content {
                     // Interpolation would close the holes.
                     let cells = table.clone().with_lookup(MerlLookup::Nearest);
                     return Ok(plot_coverage(&name, &cells, None)?);
                 }
-                Ok(plot_coverage(&name, subject.brdf(), subject.samples())?)
+                Ok(plot_coverage(&name, file.brdf(), file.samples())?)
             }
             Kind::RankError => {
-                let subjects: Vec<&Subject> =
+                let files: Vec<&MaterialFile> =
                     models.iter().map(Plotted::material).collect::<anyhow::Result<_>>()?;
-                rank_errors(&subjects)
+                let errors = watch.run(|job| {
+                    let jobs = job.split_into(&vec![1.0; files.len()]);
+                    let named = |(file, job): (&&MaterialFile, _)| {
+                        Ok((file.short_name(), rank_errors(file.brdf(), &job)?))
+                    };
+                    files.iter().zip(jobs).map(named).collect::<anyhow::Result<Vec<_>>>()
+                })?;
+                Ok(rank_error_plot(&errors)?)
             }
         }
     }
 }
 
 /// The textures of a fitted model.
-fn factors(subject: &Subject) -> anyhow::Result<Plot> {
-    let pictures: Vec<(String, DisplayImage)> = match subject.measurement().map(|m| &m.measured) {
-        Some(Measured::Model(file)) => {
-            let channels = file.model.channels();
-            let factors = file.model.factors().iter().enumerate();
-            factors.map(|(i, f)| (format!("factor {i}"), texture_view(f, channels))).collect()
-        }
-        Some(Measured::Separable(file)) => {
-            let model = &file.model;
-            let [first, second] = model.layout().parametrization.hemisphere_names();
-            let side = |side, name: &str| {
-                (0..model.rank())
-                    .map(|term| {
-                        (format!("{name}, term {}", term + 1), term_view(model, side, term))
-                    })
-                    .collect::<Vec<_>>()
-            };
-            let mut all = side(Side::First, first);
-            if model.second().is_some() {
-                all.extend(side(Side::Second, second));
-            }
-            all
-        }
-        _ => bail!("{}: not a fitted model; expected one of `brdf factor`", subject.argument),
-    };
-    Ok(plot_textures(&pictures, 8)?)
+fn factors(file: &MaterialFile) -> anyhow::Result<Plot> {
+    match &file.content {
+        Content::Factored(file) => Ok(factored_textures_plot(&file.model)?),
+        Content::Separable(file) => Ok(separable_textures_plot(&file.model)?),
+        _ => bail!("{}: not a fitted model; expected one of `brdf factor`", file.source),
+    }
 }
 
-/// Terms of a spectrum that is made for a material.
-const SPECTRUM_TERMS: usize = 24;
+/// Texels along each side of the matrix whose spectrum is made for a material.
+const SPECTRUM_RESOLUTION: usize = 32;
 
 /// The spectrum that a model's file holds, or that of a material's light × view matrix.
-fn spectrum(subject: &Subject) -> anyhow::Result<Plot> {
-    let name = subject.short_name();
-    if let Some(Measured::Separable(file)) = subject.measurement().map(|m| &m.measured) {
-        return Ok(spectrum_plot(&name, &file.fit.spectra)?);
+fn spectrum(file: &MaterialFile, watch: &Watch) -> anyhow::Result<Plot> {
+    let name = file.short_name();
+    if let Content::Separable(file) = &file.content {
+        return Ok(spectrum_plot(&name, &file.record.spectra)?);
     }
-    let params = MatrixParams { channels: subject.channels(), ..MatrixParams::default() };
-    let matrix = BrdfMatrix::sample(subject.brdf(), &light_view(32), &params)?;
-    let fit = factorize_matrix(
-        &matrix,
-        &SeparableParams { rank: SPECTRUM_TERMS, tolerance: 1e-3, ..SeparableParams::default() },
-    )?;
-    Ok(spectrum_plot(&format!("{name}, wi × wo, 32²"), &fit.spectra)?)
-}
-
-fn light_view(resolution: usize) -> Layout {
-    let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution };
-    Layout::new(Parametrization::Standard, chart, chart)
-}
-
-/// Resolutions and ranks of figure 4 of the relighting paper.
-const RESOLUTIONS: [usize; 4] = [16, 32, 48, 64];
-const RANKS: usize = 16;
-
-/// Cosine-weighted RMS of the eigenpairs of each material against their number: over whole
-/// hemispheres, where a few grazing pairs may rule, and within 80°.
-fn rank_errors(subjects: &[&Subject]) -> anyhow::Result<Plot> {
-    let progress = Progress::new((subjects.len() * RESOLUTIONS.len()) as u64);
-    let mut panels = Vec::new();
-    for subject in subjects {
-        let mut series = [Vec::new(), Vec::new()];
-        for resolution in RESOLUTIONS {
-            progress.step(format!("{}, {resolution}²", subject.short_name()));
-            let errors = rank_error(subject.brdf(), resolution)?;
-            for (series, points) in series.iter_mut().zip(errors) {
-                series.push(Series::new(format!("{resolution}²"), points));
-            }
-            progress.done(1);
-        }
-        panels.extend(series.into_iter().zip(["all pairs", "within 80°"]).map(
-            |(series, which)| Curves {
-                title: format!("{}, {which}", subject.short_name()),
-                x: "terms".to_owned(),
-                y: "cosine-weighted RMS (1/sr)".to_owned(),
-                y_scale: Scale::Linear,
-                series,
-            },
-        ));
-    }
-    Ok(plot_curves(&panels, 2)?)
-}
-
-/// The errors of 1, 2, … terms: over all pairs, and over those within 80° of the normal.
-fn rank_error(brdf: &dyn Brdf, resolution: usize) -> anyhow::Result<[Vec<(f64, f64)>; 2]> {
-    let params = MatrixParams { channels: Channels::Rgb, ..MatrixParams::default() };
-    let matrix = BrdfMatrix::sample(brdf, &light_view(resolution), &params)?.symmetrized()?;
-    let fit = factorize_matrix(
-        &matrix,
-        &SeparableParams {
-            decomposition: Decomposition::Eigen(EigenSolver::Krylov),
-            rank: RANKS,
-            tolerance: 1e-4,
-            ..SeparableParams::default()
-        },
-    )?;
-    let errors = cosine_rms_by_rank(brdf, &fit.model, 1);
-    let points = |pick: fn(&RankCosineRms) -> f64| {
-        let point = |(index, error): (usize, &RankCosineRms)| ((index + 1) as f64, pick(error));
-        errors.iter().enumerate().map(point).take(RANKS).collect()
-    };
-    Ok([points(|e| e.absolute), points(|e| e.within_80)])
+    let spectra =
+        watch.run(|job| light_view_spectrum(&file.material(), SPECTRUM_RESOLUTION, job))?;
+    Ok(spectrum_plot(&format!("{name}, wi × wo, 32²"), &spectra)?)
 }

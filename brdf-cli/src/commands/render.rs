@@ -5,15 +5,16 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::bail;
-use brdf_io::write_atomically;
+use brdf_container::MaterialFile;
+use brdf_files::write_atomically;
+use brdf_image::encode_png;
 use brdf_model::Brdf;
 use brdf_render::{MeshView, SphereView, Uniform, render_mesh, render_sphere};
+use brdf_report::line_up;
 
 use crate::args::{ForceArgs, LightArgs, ReadArgs, positive, usage};
 use crate::meshes::MeshArgs;
-use crate::pictures::{light, line_up, png};
-use crate::progress::Progress;
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Render materials on spheres or on a mesh, side by side
 ///
@@ -70,19 +71,15 @@ impl Render {
         if self.mesh.mesh.is_none() && self.mesh.view.is_given() {
             return Err(usage("--view-deg and --ground: spheres have neither; give a --mesh"));
         }
-        let options = self.read.options();
-        let subjects: Vec<Subject> = self
-            .models
-            .iter()
-            .map(|model| Subject::open(model, &options))
-            .collect::<anyhow::Result<_>>()?;
+        let files: Vec<MaterialFile> =
+            self.models.iter().map(|model| self.read.open(model)).collect::<anyhow::Result<_>>()?;
         let materials: Vec<(String, &dyn Brdf)> =
-            subjects.iter().map(|s| (s.short_name(), s.brdf())).collect();
-        let light = light(&self.light)?;
+            files.iter().map(|file| (file.short_name(), file.brdf())).collect();
+        let light = self.light.open()?;
         let mesh = self.mesh.open()?;
         let size = self.size.map(|size| size as usize);
-        let progress = Progress::new(1);
-        progress.step("rendering");
+        let watch = Watch::start();
+        watch.step("rendering");
         let render = |brdf: &dyn Brdf| match &mesh {
             Some(mesh) => {
                 let view = MeshView {
@@ -100,8 +97,8 @@ impl Render {
             }
         };
         let picture = line_up(&materials, &render, self.exposure);
-        drop(progress);
-        write_atomically(&self.output, &png(&picture)?, self.force.overwrite())?;
+        drop(watch);
+        write_atomically(&self.output, &encode_png(&picture)?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
     }

@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::process::ExitCode;
 
-use brdf_io::samples_to_csv;
-use brdf_model::{PairSampling, SampleSet};
+use brdf_io::write_samples;
+use brdf_model::PairSampling;
 
 use crate::args::{PairArgs, ReadArgs, TableArgs};
-use crate::subject::Subject;
 
 /// Draw direction pairs and write them with their values
 ///
@@ -43,28 +42,19 @@ pub(super) struct Sample {
 
 impl Sample {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
-        let subject = Subject::open(&self.model, &self.read.options())?;
-        let channels = self.pairs.channels(subject.channels());
-        let samples = match subject.samples() {
-            Some(rows) => {
-                let rows = if self.pairs.luminance { rows.to_luminance() } else { rows.clone() };
-                let rows = rows.within(self.pairs.theta_max());
-                match self.samples {
-                    Some(count) => rows.subset(count as usize),
-                    None => rows,
-                }
-            }
-            None => SampleSet::draw(
-                subject.brdf(),
-                &PairSampling {
-                    count: self.samples.unwrap_or(45_000),
-                    seed: self.seed,
-                    theta_max: self.pairs.theta_max(),
-                },
-                channels,
-            ),
+        let file = self.read.open(&self.model)?;
+        let material = file.material();
+        let sampling = PairSampling {
+            count: self.samples.unwrap_or(45_000),
+            seed: self.seed,
+            theta_max: self.pairs.theta_max(),
         };
-        let table = samples_to_csv(&samples);
+        let channels = self.pairs.channels().unwrap_or(material.channels());
+        let mut samples = material.draw(&sampling, channels);
+        if let (Some(_), Some(count)) = (material.samples(), self.samples) {
+            samples = samples.subset(count as usize);
+        }
+        let table = write_samples(&samples);
         self.table.write(&table, out)?;
         let mut said = format!("{} pairs", samples.len());
         if samples.dropped().total() > 0 {

@@ -5,14 +5,16 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::bail;
-use brdf_io::OutputFolder;
+use brdf_container::MaterialFile;
+use brdf_files::OutputFolder;
+use brdf_job::Stopped;
 use brdf_plot::plot_parametrizations;
-use brdf_study::{StudyParams, study_material};
+use brdf_report::{percent, significant, study_files};
+use brdf_separable::SeparableError;
+use brdf_study::{STUDIED, StudiedMaterial, StudyParams, StudyReport, study_material};
 
-use crate::args::ReadArgs;
-use crate::progress::Progress;
-use crate::report::study::{Studied, StudyReport};
-use crate::subject::Subject;
+use crate::args::{ReadArgs, command_line, write_all};
+use crate::progress::Watch;
 
 /// Measure which parametrization fits which material
 ///
@@ -57,48 +59,85 @@ const PICTURED: usize = 8;
 impl Study {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let options = self.read.options();
-        let mut subjects = Vec::new();
+        let mut files = Vec::new();
         for input in &self.inputs {
-            subjects.extend(Subject::open_all(input, &options)?);
+            files.extend(MaterialFile::open_all(input, &options)?);
         }
         let mut folder = OutputFolder::new(&self.output, self.force)?;
         let params = StudyParams { seed: self.seed, ..StudyParams::default() };
-        let progress = Progress::new(subjects.len() as u64);
+        let watch = Watch::start();
         let mut materials = Vec::new();
         let mut skipped = Vec::new();
-        for subject in &subjects {
-            progress.step(subject.short_name());
-            match study_material(subject.brdf(), &params) {
-                Ok(rows) => materials.push(Studied::new(subject, rows)),
-                Err(error) => skipped.push(format!("{}: {error}", subject.argument)),
+        watch.run(|job| {
+            for (file, job) in files.iter().zip(job.split_into(&vec![1.0; files.len()])) {
+                let rows = match study_material(file.brdf(), &params, &job) {
+                    Ok(rows) => rows,
+                    Err(SeparableError::Stopped(stopped)) => return Err(stopped),
+                    Err(error) => {
+                        skipped.push(format!("{}: {error}", file.source));
+                        continue;
+                    }
+                };
+                let interpolated = file.samples().is_some();
+                let name = file.short_name();
+                let brdf = file.brdf();
+                materials.push(StudiedMaterial::new(name, file.kind(), brdf, interpolated, rows));
             }
-            progress.done(1);
-        }
+            Ok::<(), Stopped>(())
+        })?;
         if materials.is_empty() {
             bail!("no material could be studied: {}", skipped.join("; "));
         }
         let mut slices = Vec::new();
-        if subjects.len() <= PICTURED {
-            for (index, subject) in subjects.iter().enumerate() {
-                progress.step(format!("slices of {}", subject.short_name()));
-                let plot = plot_parametrizations(&subject.short_name(), subject.brdf())?;
-                folder.write(&format!("slices-{index}.svg"), plot.svg().as_bytes())?;
-                slices.push(plot);
-            }
+        for file in files.iter().filter(|_| files.len() <= PICTURED) {
+            watch.step(format!("slices of {}", file.short_name()));
+            slices.push(plot_parametrizations(&file.short_name(), file.brdf())?);
         }
-        drop(progress);
-        let report = StudyReport::new(materials, skipped, params);
-        let json = serde_json::to_string_pretty(&report)?;
-        folder.write("study.csv", report.csv().as_bytes())?;
-        folder.write("report.html", report.page(&slices).as_bytes())?;
-        folder.write("report.json", json.as_bytes())?;
+        drop(watch);
+        let report = StudyReport::new(env!("CARGO_PKG_VERSION"), materials, skipped, params);
+        write_all(&mut folder, &study_files(&report, &slices, &command_line())?)?;
         let place = folder.finish()?;
         if self.json {
-            writeln!(out, "{json}")?;
+            writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
         } else {
-            report.print(out)?;
+            print(&report, out)?;
             writeln!(out, "{}", place.join("report.html").display())?;
         }
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// The verdict.
+fn print(report: &StudyReport, out: &mut impl Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{} materials, errors on {} pairs within {}°; how often each parametrization is best (median)",
+        report.materials.len(),
+        report.pairs,
+        significant(report.theta_max_deg)
+    )?;
+    let width = report.wins.iter().map(|wins| wins.figure.len()).max().unwrap_or(0);
+    write!(out, "{:width$}", "")?;
+    STUDIED.iter().try_for_each(|p| write!(out, "  {:>17}", p.name()))?;
+    writeln!(out)?;
+    for (index, wins) in report.wins.iter().enumerate() {
+        write!(out, "{:width$}", wins.figure)?;
+        for ((_, count), medians) in wins.counts.iter().zip(&report.medians) {
+            let median = significant(medians.values[index].1);
+            write!(out, "  {:>17}", format!("{count} ({median})"))?;
+        }
+        writeln!(out)?;
+    }
+    for material in report.materials.iter().filter(|m| m.is_anisotropic()) {
+        writeln!(
+            out,
+            "{}: taken to be isotropic, but differs by {} when turned",
+            material.material,
+            percent(material.anisotropy)
+        )?;
+    }
+    for reason in &report.skipped {
+        writeln!(out, "left out: {reason}")?;
+    }
+    Ok(())
 }

@@ -6,7 +6,7 @@ use sha2::{Digest as _, Sha256};
 use super::Plan;
 use crate::Problem;
 
-/// A hash of positions in the order in which they were handed in, texture coordinates, plan, bound, grazing
+/// A hash of positions in the order in which they were given, texture coordinates, plan, bound, grazing
 /// limit and smoothing.
 pub(super) fn of(problem: &Problem, places: &[DVec2], plan: &Plan) -> String {
     let mut hash = Sha256::new();

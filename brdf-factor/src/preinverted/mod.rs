@@ -110,7 +110,7 @@ pub struct Preinverted {
     key: String,
     factors: Vec<Factor>,
     columns: Vec<Arc<Columns>>,
-    /// For each sample, as columns count them, its place among those handed in.
+    /// For each sample, as columns count them, its place among those given.
     order: Vec<usize>,
     ones: Vec<f64>,
     theta_max: f64,

@@ -4,7 +4,7 @@ use super::LpcaHeader;
 use crate::colour::from_luma_chroma;
 use crate::{AngularGrid, Encoding, Taps};
 
-/// A reader of one texture of an [`LpcaModel`].
+/// A reader of one texture of an [`LpcaModel`](crate::LpcaModel).
 #[derive(Clone, Debug)]
 pub struct LpcaDecoder<'a> {
     header: &'a LpcaHeader,

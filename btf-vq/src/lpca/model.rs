@@ -50,15 +50,15 @@ impl Steps {
 pub struct LpcaHeader {
     /// Nodes.
     pub grid: AngularGrid,
-    /// What values mean.
+    /// Meaning of the values.
     pub encoding: Encoding,
     /// Number of spaces, 1 to 256.
     pub clusters: usize,
     /// Dimensions of each, 0 to 64.
     pub components: usize,
-    /// Of bases, `[cluster][mean, components …]`.
+    /// Codes of bases, `[cluster][mean, components …]`.
     pub basis: Vec<Steps>,
-    /// Of coefficients, `[cluster][component]`.
+    /// Codes of coefficients, `[cluster][component]`.
     pub coefficients: Vec<Steps>,
     /// The textures.
     pub materials: Vec<TextureInfo>,

@@ -1,23 +1,21 @@
 //! `brdf compare`.
 
-mod folders;
-mod measures;
 mod table;
 
-use std::io::Write;
+use std::io::{Write, stderr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::bail;
-use brdf_model::{Channels, Dropped, PairSampling, SampleSet, log_offsets};
+use brdf_container::{MaterialFile, match_folders};
+use brdf_fit::{
+    Candidate, CompareSettings, Comparison, Distribution, FolderComparison, compare, metric_lights,
+};
+use brdf_model::Channels;
 use clap::ValueEnum;
-use serde::Serialize;
 
-use self::measures::{Evaluator, Row};
-use crate::args::{PairArgs, ReadArgs, usage};
-use crate::pictures::metric_lights;
-use crate::progress::Progress;
-use crate::subject::Subject;
+use crate::args::{PairArgs, ReadArgs, environment, usage};
+use crate::progress::Watch;
 
 /// Compare models with a reference, or folders of them
 ///
@@ -82,28 +80,25 @@ enum MetricsArg {
     All,
 }
 
-/// What `compare --json` prints.
-#[derive(Serialize)]
-struct Comparison {
-    reference: String,
-    /// Pairs that were compared.
-    samples: usize,
-    dropped: Dropped,
-    /// Samples of the reference with a negative channel that was set to 0.
-    clamped: usize,
-    seed: u64,
-    results: Vec<Row>,
-}
-
 impl Compare {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         if self.metrics == MetricsArg::Basic && !self.env.is_empty() {
             return Err(usage("--env is for --metrics all"));
         }
+        let settings = self.settings()?;
+        let watch = Watch::start();
         if Path::new(&self.reference).is_dir() {
-            return self.compare_folders(out);
+            let comparison = self.compare_folders(&settings, &watch)?;
+            drop(watch);
+            if self.json {
+                writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
+            } else {
+                table::print_folders(&comparison, out)?;
+            }
+            return Ok(ExitCode::SUCCESS);
         }
-        let comparison = self.compare(&self.reference, &self.models)?;
+        let comparison = self.compare(&self.reference, &self.models, &settings, &watch)?;
+        drop(watch);
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
         } else if self.metrics == MetricsArg::All {
@@ -114,85 +109,110 @@ impl Compare {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Judges models against one reference.
-    fn compare(&self, reference: &str, models: &[String]) -> anyhow::Result<Comparison> {
-        let options = self.read.options();
-        let reference = Subject::open(reference, &options)?;
-        let models: Vec<Subject> = models
+    fn settings(&self) -> anyhow::Result<CompareSettings> {
+        let is_all = self.metrics == MetricsArg::All;
+        let given: Vec<_> = self
+            .env
             .iter()
-            .map(|model| Subject::open(model, &options))
-            .collect::<anyhow::Result<_>>()?;
-        if let Some(scattered) = models.iter().find(|model| model.samples().is_some()) {
-            bail!(
-                "{}: scattered samples cannot be judged as a model; give them as the reference",
-                scattered.argument
-            );
-        }
-        let channels = self.pairs.channels(reference.channels());
-        let samples = self.draw(&reference, channels);
-        if samples.is_empty() {
-            bail!("{}: no usable samples: {}", reference.argument, samples.dropped());
-        }
-        for model in &models {
-            if model.channels() == Channels::Luminance && channels == Channels::Rgb {
-                writeln!(
-                    std::io::stderr(),
-                    "{}: one channel, compared with three; --luminance compares like with like",
-                    model.argument
-                )?;
-            }
-        }
-        let lights = match self.metrics {
-            MetricsArg::Basic => Vec::new(),
-            MetricsArg::All => metric_lights(&self.env)?,
-        };
-        let progress = Progress::new(models.len() as u64 + 1);
-        progress.step("rendering the reference");
-        let offsets = log_offsets(&samples);
-        let mut judge = Evaluator::new(&reference, &samples, &offsets, channels, self.seed);
-        if self.metrics == MetricsArg::All {
-            judge = judge.with_pictures(lights);
-        }
-        progress.done(1);
-        let results = models
-            .iter()
-            .map(|model| {
-                progress.step(format!("comparing {}", model.short_name()));
-                let row = judge.judge(model);
-                progress.done(1);
-                row
+            .map(|path| {
+                let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
+                Ok((name.into_owned(), environment(path)?))
             })
-            .collect();
-        drop(progress);
-        if samples.dropped().total() > 0 {
-            writeln!(std::io::stderr(), "dropped: {}", samples.dropped())?;
-        }
-        if samples.clamped() > 0 {
-            writeln!(
-                std::io::stderr(),
-                "{} samples of the reference with a negative channel set to 0",
-                samples.clamped()
-            )?;
-        }
-        Ok(Comparison {
-            reference: reference.argument.clone(),
-            samples: samples.len(),
-            dropped: samples.dropped(),
-            clamped: samples.clamped(),
+            .collect::<anyhow::Result<_>>()?;
+        Ok(CompareSettings {
+            samples: self.samples,
             seed: self.seed,
-            results,
+            theta_max: self.pairs.theta_max(),
+            channels: self.pairs.channels(),
+            lights: match is_all {
+                true => metric_lights((!given.is_empty()).then_some(given))?,
+                false => Vec::new(),
+            },
+            timed: is_all,
         })
     }
 
-    fn draw(&self, reference: &Subject, channels: Channels) -> SampleSet {
-        let theta_max = self.pairs.theta_max();
-        match reference.samples() {
-            Some(rows) if self.pairs.luminance => rows.to_luminance().within(theta_max),
-            Some(rows) => rows.within(theta_max),
-            None => {
-                let sampling = PairSampling { count: self.samples, seed: self.seed, theta_max };
-                SampleSet::draw(reference.brdf(), &sampling, channels)
-            }
+    /// Judges models by one reference.
+    fn compare(
+        &self,
+        reference: &str,
+        models: &[String],
+        settings: &CompareSettings,
+        watch: &Watch,
+    ) -> anyhow::Result<Comparison> {
+        let reference = self.read.open(reference)?;
+        let models: Vec<MaterialFile> =
+            models.iter().map(|model| self.read.open(model)).collect::<anyhow::Result<_>>()?;
+        if let Some(scattered) = models.iter().find(|model| model.samples().is_some()) {
+            bail!(
+                "{}: scattered samples cannot be judged as a model; give them as the reference",
+                scattered.source
+            );
         }
+        let is_colour = settings.channels.unwrap_or(reference.channels()) == Channels::Rgb;
+        for model in models.iter().filter(|m| is_colour && m.channels() == Channels::Luminance) {
+            writeln!(
+                stderr(),
+                "{}: one channel, compared with three; --luminance compares like with like",
+                model.source
+            )?;
+        }
+        let candidates: Vec<Candidate<'_>> = models
+            .iter()
+            .map(|model| Candidate {
+                label: model.source.clone(),
+                brdf: model.brdf(),
+                bytes: model.bytes(),
+            })
+            .collect();
+        let material = reference.named(reference.source.clone());
+        let found = watch.run(|job| compare(&material, &candidates, settings, job))?;
+        if found.dropped.total() > 0 {
+            writeln!(stderr(), "dropped: {}", found.dropped)?;
+        }
+        if found.clamped > 0 {
+            writeln!(
+                stderr(),
+                "{} samples of the reference with a negative channel set to 0",
+                found.clamped
+            )?;
+        }
+        Ok(found)
+    }
+
+    /// Judges the models of folders by the references of the same names.
+    fn compare_folders(
+        &self,
+        settings: &CompareSettings,
+        watch: &Watch,
+    ) -> anyhow::Result<FolderComparison> {
+        if let Some(file) = self.models.iter().find(|folder| !Path::new(folder).is_dir()) {
+            bail!("{file}: not a folder; the reference is one, so every model must be");
+        }
+        let folders: Vec<&Path> = self.models.iter().map(Path::new).collect();
+        let matched = match_folders(Path::new(&self.reference), &folders)?;
+        if matched.materials.is_empty() {
+            bail!(
+                "{}: none of {} references has a model of the same name in every folder",
+                self.reference,
+                matched.references
+            );
+        }
+        let text = |path: &PathBuf| path.to_string_lossy().into_owned();
+        let mut materials = Vec::new();
+        for (name, reference, models) in &matched.materials {
+            let models: Vec<String> = models.iter().map(text).collect();
+            let mut comparison = self.compare(&text(reference), &models, settings, watch)?;
+            comparison.reference.clone_from(name);
+            materials.push(comparison);
+        }
+        let of = |(index, folder): (usize, &String)| Distribution::of(folder, index, &materials);
+        let distributions = self.models.iter().enumerate().map(of).collect();
+        Ok(FolderComparison {
+            reference: self.reference.clone(),
+            distributions,
+            materials,
+            unmatched: matched.unmatched,
+        })
     }
 }

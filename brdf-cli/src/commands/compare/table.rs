@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use super::{Comparison, Row};
-use crate::numbers::{bytes, or_dash, significant};
+use brdf_fit::{Comparison, Distribution, FolderComparison, ModelMeasures};
+use brdf_report::{bytes, or_dash, significant};
 
 /// A line for each model.
 pub(super) fn print_basic(comparison: &Comparison, out: &mut impl Write) -> std::io::Result<()> {
@@ -30,7 +30,7 @@ pub(super) fn print_basic(comparison: &Comparison, out: &mut impl Write) -> std:
 /// A line for each measure, a column for each model.
 pub(super) fn print_all(comparison: &Comparison, out: &mut impl Write) -> std::io::Result<()> {
     head(comparison, out)?;
-    let columns: Vec<_> = comparison.results.iter().map(Row::measures).collect();
+    let columns: Vec<_> = comparison.results.iter().map(ModelMeasures::all).collect();
     let Some(first) = columns.first() else { return Ok(()) };
     let label = first.iter().map(|m| m.name.chars().count()).max().unwrap_or(0);
     for (index, row) in comparison.results.iter().enumerate() {
@@ -56,7 +56,7 @@ pub(super) fn print_all(comparison: &Comparison, out: &mut impl Write) -> std::i
 }
 
 /// What the figures of a model alone do not say.
-fn remarks(row: &Row, name: &str, out: &mut impl Write) -> std::io::Result<()> {
+fn remarks(row: &ModelMeasures, name: &str, out: &mut impl Write) -> std::io::Result<()> {
     if row.without_data > 0 {
         writeln!(out, "{name}: {} pairs without data left out", row.without_data)?;
     }
@@ -73,4 +73,30 @@ fn remarks(row: &Row, name: &str, out: &mut impl Write) -> std::io::Result<()> {
 fn head(comparison: &Comparison, out: &mut impl Write) -> std::io::Result<()> {
     let Comparison { reference, samples, seed, .. } = comparison;
     writeln!(out, "reference {reference}, {samples} pairs, seed {seed}")
+}
+
+/// The median and the worst of every measure, for each folder.
+pub(super) fn print_folders(
+    comparison: &FolderComparison,
+    out: &mut impl Write,
+) -> std::io::Result<()> {
+    for distribution in &comparison.distributions {
+        let Distribution { models, materials, measures } = distribution;
+        writeln!(out, "{models} against {}, {materials} materials", comparison.reference)?;
+        let width = measures.iter().map(|m| m.measure.chars().count()).max().unwrap_or(0);
+        writeln!(out, "{:width$}  {:>10}  worst {}", "", "median", Distribution::WORST)?;
+        for measure in measures {
+            let worst: Vec<String> = measure
+                .worst
+                .iter()
+                .map(|(name, value)| format!("{name} {}", significant(*value)))
+                .collect();
+            let median = significant(measure.median);
+            writeln!(out, "{:width$}  {median:>10}  {}", measure.measure, worst.join(", "))?;
+        }
+    }
+    for reason in &comparison.unmatched {
+        writeln!(out, "left out: {reason}")?;
+    }
+    Ok(())
 }

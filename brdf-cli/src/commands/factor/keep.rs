@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::bail;
-use brdf_io::{Measured, ModelFile, OutputFolder, ReadOptions, model_to_bytes, open_measurement};
+use brdf_container::{read_factored, write_factored};
+use brdf_files::{FileError, MappedFile, OutputFolder};
+use brdf_fit::{FactoredModel, KeptReport};
+use brdf_report::{bytes, kept_files, or_dash, significant};
 
-use crate::args::usage;
-use crate::numbers::{bytes, or_dash, significant};
-use crate::pictures::{factor_files, model_sphere};
+use crate::args::{usage, write_all};
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "A smaller model of an earlier search")]
@@ -25,15 +26,12 @@ pub(super) struct KeepArgs {
 
 impl KeepArgs {
     /// The model asked for, if one was.
-    pub(super) fn open(&self) -> anyhow::Result<Option<ModelFile>> {
+    pub(super) fn open(&self) -> anyhow::Result<Option<FactoredModel>> {
         if self.keep.is_some() && self.from.is_none() {
             return Err(usage("--keep takes a model out of a file: give it with --from"));
         }
         let (Some(path), Some(keep)) = (&self.from, self.keep) else { return Ok(None) };
-        let measurement = open_measurement(path, &ReadOptions::default())?;
-        let Measured::Model(file) = measurement.measured else {
-            bail!("{}: holds no searched model; expected one of `brdf factor`", path.display());
-        };
+        let file = read_factored(&MappedFile::open(path)?).map_err(FileError::content(path))?;
         let sizes: Vec<String> = file
             .smaller
             .iter()
@@ -54,25 +52,16 @@ impl KeepArgs {
 /// Writes the folder of a kept model. There is no reference to compare with: errors are those of its
 /// record.
 pub(super) fn run(
-    kept: ModelFile,
+    kept: &FactoredModel,
     output: &Path,
     force: bool,
     json: bool,
     out: &mut impl Write,
 ) -> anyhow::Result<ExitCode> {
     let mut folder = OutputFolder::new(output, force)?;
-    folder.write("model.safetensors", &model_to_bytes(&kept)?)?;
-    folder.write("sphere.png", &model_sphere(&kept.model)?)?;
-    for (index, (png, exr)) in factor_files(&kept.model)?.iter().enumerate() {
-        folder.write(&format!("factor-{index}.png"), png)?;
-        folder.write(&format!("factor-{index}.exr"), exr)?;
-    }
-    let report = serde_json::to_string_pretty(&serde_json::json!({
-        "brdf": env!("CARGO_PKG_VERSION"),
-        "model": "model.safetensors",
-        "bytes": kept.model.payload_bytes(),
-        "fit": kept.fit,
-    }))?;
+    folder.write("model.safetensors", &write_factored(kept)?)?;
+    write_all(&mut folder, &kept_files(kept)?)?;
+    let report = serde_json::to_string_pretty(&KeptReport::new(kept, env!("CARGO_PKG_VERSION")))?;
     folder.write("report.json", report.as_bytes())?;
     let place = folder.finish()?;
     if json {
@@ -83,10 +72,10 @@ pub(super) fn run(
     writeln!(
         out,
         "{}: {textures} textures, {}",
-        kept.fit.input,
+        kept.record.input,
         bytes(kept.model.payload_bytes())
     )?;
-    if let Some(term) = kept.fit.terms.iter().find(|term| term.textures == textures) {
+    if let Some(term) = kept.record.terms.iter().find(|term| term.textures == textures) {
         writeln!(
             out,
             "mean square log error {}, held out {} (as recorded)",

@@ -8,26 +8,24 @@ mod separable;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use anyhow::Context as _;
-use brdf_factor::{FactorParams, TermSolve};
-use brdf_io::{FitRecord, FitSettings, ModelFile, OutputFolder, TermRecord, model_to_bytes};
-use brdf_model::{Channels, SampleSet};
+use brdf_container::{write_factored, write_separable};
+use brdf_files::OutputFolder;
+use brdf_fit::{
+    FactoredReport, FactoredSettings, Fit, FitSettings, Method, TermRecord, fit, preinvert,
+};
+use brdf_report::{ResultFile, bytes, factored_files, or_dash, separable_files, significant};
 
 use self::keep::KeepArgs;
 use self::plan::SearchArgs;
 use self::preinvert::PreinvertArgs;
 use self::separable::SeparableArgs;
-use crate::args::{PairArgs, ReadArgs, not_negative};
+use crate::advice::fit_notes;
+use crate::args::{PairArgs, ReadArgs, command_line, not_negative, write_all};
 use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
-use crate::fitting::{self, Method, Outcome};
-use crate::numbers::{bytes, or_dash, significant};
-use crate::pictures::Pictures;
-use crate::progress::Progress;
-use crate::report::notes::{fit_notes, scattered_notes, search_notes};
-use crate::report::{Report, SearchReport, html};
-use crate::searching::finish_on_interrupt;
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Factor a BRDF into small textures, say how good they are, and show it
 ///
@@ -143,210 +141,141 @@ pub(super) struct Factor {
 impl Factor {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         if let Some(kept) = self.keep.open()? {
-            return keep::run(kept, &self.output, self.force, self.json, out);
+            return keep::run(&kept, &self.output, self.force, self.json, out);
         }
-        if self.method.is_separable() {
-            return self.run_separable(out);
-        }
-        self.check_homomorphic()?;
-        let method = match self.preinvert.open()? {
-            Some(basis) => Method::With(Box::new(basis)),
-            None => self.plan()?,
+        let settings = if self.method.is_separable() {
+            FitSettings::Separable(self.separable_settings()?)
+        } else {
+            FitSettings::Factored(self.factored_settings()?)
         };
-        let inversion = self.preinvert.inversion(&method)?;
-        let subject = Subject::open(&self.input, &self.read.options())?;
+        let inversion = self.preinvert.inversion(&settings)?;
+        let file = self.read.open(&self.input)?;
         // Opened first, so that an output that cannot be written is known before the work.
         let mut folder = OutputFolder::new(&self.output, self.force)?;
-        let channels = self.pairs.channels(subject.channels());
-        let settings = self.settings(&subject, &method);
-        let progress = Progress::new(12);
-        finish_on_interrupt();
-        let outcome = fitting::run(&subject, channels, &method, &settings, &progress)
-            .with_context(|| self.input.clone())?;
-        if let (Some(inversion), Method::Together(specs)) = (inversion, &method) {
-            progress.step("inverting");
-            let inverted = fitting::preinvert(&subject, channels, specs, &settings, inversion)
-                .with_context(|| self.input.clone())?;
-            self.preinvert.write(&inverted, self.method.name(), &settings, self.force)?;
+        let material = file.material();
+        let watch = Watch::start();
+        let fitted = watch.run(|job| {
+            let deadline = self.search.time_limit().map(|limit| Instant::now() + limit);
+            let job = deadline.map_or_else(
+                || job.split([1.0]),
+                |end| job.split([1.0]).map(|job| job.with_deadline(end)),
+            );
+            fit(&material, &settings, &job[0])
+        });
+        let fitted = fitted.with_context(|| self.input.clone())?;
+        if let (Some(inversion), FitSettings::Factored(settings)) = (inversion, &settings) {
+            let basis = watch.run(|job| preinvert(&material, settings, inversion, job));
+            self.preinvert.write(&basis.with_context(|| self.input.clone())?, self.force)?;
         }
-        let report = self.report(&subject, &outcome, settings, &method, channels);
 
-        progress.step("rendering");
-        let pictures = Pictures::new(&subject, &outcome, channels)?;
-        progress.done(3);
-        progress.step("writing");
-        let json = serde_json::to_string_pretty(&report)?;
-        folder.write("model.safetensors", &model_to_bytes(&model_file(&report, &outcome))?)?;
-        pictures.write(&mut folder)?;
-        folder.write("report.html", html::page(&report, &outcome, &pictures).as_bytes())?;
-        folder.write("report.json", json.as_bytes())?;
+        watch.step("drawing pictures");
+        let version = env!("CARGO_PKG_VERSION");
+        let notes = fit_notes(&file.notes, fitted.notes());
+        let command = command_line();
+        let (model, files, said) = match &fitted {
+            Fit::Factored(fit) => {
+                let report = fit.report(&self.input, version, notes);
+                let files = factored_files(&material, fit, &report, &command)?;
+                (write_factored(&fit.model())?, files, summary(material.name(), &report))
+            }
+            Fit::Separable(fit) => {
+                let report = fit.report(&self.input, version, notes);
+                let files = separable_files(&material, fit, &report, &command)?;
+                (write_separable(&fit.model)?, files, separable::summary(material.name(), &report))
+            }
+        };
+        folder.write("model.safetensors", &model)?;
+        write_all(&mut folder, &files)?;
         let place = folder.finish()?;
-        drop(progress);
-
-        if self.json {
-            writeln!(out, "{json}")?;
-        } else {
-            summarize(out, &report, &place)?;
+        drop(watch);
+        match files.last() {
+            Some(ResultFile { bytes: json, .. }) if self.json => {
+                out.write_all(json)?;
+                writeln!(out)?;
+            }
+            _ => writeln!(out, "{said}{}", place.join("report.html").display())?,
         }
         Ok(ExitCode::SUCCESS)
     }
 
-    fn settings(&self, subject: &Subject, method: &Method) -> FitSettings {
-        if let Method::With(basis) = method {
-            return basis.record.settings.clone();
-        }
-        let replicate = match (self.replicate, self.method) {
-            (Some(copies), _) => copies,
-            (None, MethodArg::Radial) => 1,
-            (None, _) if subject.samples().is_some_and(SampleSet::has_one_light_azimuth) => 32,
-            (None, _) => 1,
+    fn factored_settings(&self) -> anyhow::Result<FactoredSettings> {
+        self.check_homomorphic()?;
+        let method = match self.preinvert.open()? {
+            Some(basis) => brdf_fit::FactoredMethod::Preinverted(Box::new(basis)),
+            None => self.plan()?,
         };
-        FitSettings {
-            params: FactorParams {
-                texture_size: self.texture_size() as usize,
-                bound: self.bound.into(),
-                smoothing: self.smoothing,
-                log_map: self.log_map.homomorphic().unwrap_or_default(),
-                weight: self.weight.into(),
-                terms: match method {
-                    Method::Search(plan) => plan.term_solve(),
-                    Method::Together(_) | Method::Terms(_) | Method::With(_) => TermSolve::All,
-                },
-                theta_max: self.pairs.theta_max(),
-                solver: None,
-            },
-            reciprocal: self.reciprocal != ReciprocityArg::Off,
+        Ok(FactoredSettings {
+            method,
+            texture_size: self.texture_size.map(|size| size as usize),
+            bound: self.bound.into(),
+            smoothing: self.smoothing,
+            log_transform: self.log_map.homomorphic().unwrap_or_default(),
+            weight: self.weight.into(),
+            reciprocity: self.reciprocal.into(),
             samples: self.samples,
             seed: self.seed,
-            replicate,
-            search: match method {
-                Method::Search(plan) => Some(plan.settings()),
-                Method::Together(_) | Method::Terms(_) | Method::With(_) => None,
-            },
-        }
-    }
-
-    fn texture_size(&self) -> u32 {
-        self.texture_size.unwrap_or(if self.method == MethodArg::Search { 24 } else { 32 })
-    }
-
-    fn report(
-        &self,
-        subject: &Subject,
-        outcome: &Outcome,
-        mut settings: FitSettings,
-        method: &Method,
-        channels: Channels,
-    ) -> Report {
-        let mut notes = subject.notes().to_vec();
-        let clamped = outcome.last().clamped;
-        if clamped > 0 {
-            notes.push(format!(
-                "{clamped} samples had a negative channel, a colour outside the gamut; it was set \
-                 to 0, which log errors count heavily{}",
-                if channels == Channels::Rgb { " (--luminance avoids most of it)" } else { "" }
-            ));
-        }
-        if let Some(found) = &outcome.found {
-            settings.reciprocal = found.family.reciprocal;
-        }
-        if let Some(rows) = subject.samples() {
-            notes.extend(scattered_notes(rows, outcome, &settings));
-        } else if settings.replicate > 1 {
-            notes.push(format!("each pair was fitted {} times, turned", settings.replicate));
-        }
-        let search = match (method, &outcome.found) {
-            (Method::Search(plan), Some(found)) => {
-                notes.extend(search_notes(plan, found, subject.samples().is_some()));
-                Some(SearchReport::new(plan, found))
-            }
-            _ => None,
-        };
-        notes.extend(fit_notes(outcome));
-        let name = match method {
-            Method::With(_) => "preinverted",
-            _ => self.method.name(),
-        };
-        Report::new(subject, outcome, settings, name, search, channels, notes)
+            replicate: self.replicate,
+            theta_max: self.pairs.theta_max(),
+            channels: self.pairs.channels(),
+        })
     }
 }
 
-fn model_file(report: &Report, outcome: &Outcome) -> ModelFile {
-    let fit = outcome.last();
-    let smaller = &outcome.fits[..outcome.fits.len() - 1];
-    ModelFile {
-        model: fit.model.clone(),
-        smaller: smaller.iter().map(|fit| fit.model.clone()).collect(),
-        fit: FitRecord {
-            method: report.method.to_owned(),
-            input: report.name.clone(),
-            space: report.space.to_owned(),
-            settings: report.settings.clone(),
-            terms: outcome.terms.clone(),
-            samples_used: report.samples.fitted,
-            dropped: report.samples.dropped,
-        },
-    }
-}
-
-fn summarize(
-    out: &mut impl Write,
-    report: &Report,
-    place: &std::path::Path,
-) -> std::io::Result<()> {
-    writeln!(
-        out,
+/// What a fit says on a terminal.
+fn summary(name: &str, report: &FactoredReport) -> String {
+    let mut said = String::new();
+    let mut say = |line: String| {
+        said.push_str(&line);
+        said.push('\n');
+    };
+    say(format!(
         "{}: {} in {} textures, {}, fitted in {} s",
-        report.name,
+        name,
         report.method,
         report.terms.last().map_or(0, |term| term.textures),
         bytes(report.bytes),
         significant(report.seconds)
-    )?;
+    ));
     let held_out = |term: &TermRecord| or_dash(term.held_out.as_ref().map(|e| e.log.mean_square));
     if let Some(search) = &report.search {
-        writeln!(
-            out,
+        say(format!(
             "{} projections, {}, {} evaluations",
-            report.space,
+            report.space.name(),
             if report.settings.reciprocal { "reciprocal" } else { "not reciprocal" },
             report.evaluations
-        )?;
-        if let Some(cause) = search.stopped {
-            writeln!(out, "stopped early ({cause}): the best found so far")?;
+        ));
+        if let Some(cause) = &search.stopped {
+            say(format!("stopped early ({cause}): the best found so far"));
         }
     }
     for term in &report.terms {
-        writeln!(
-            out,
+        say(format!(
             "{:>2} textures: mean square log error {}, held out {}",
             term.textures,
             significant(term.training.log.mean_square),
             held_out(term)
-        )?;
+        ));
     }
-    if report.method != "mccool" {
+    if report.method != Method::McCool {
         let mccool = &report.baseline.mccool;
-        writeln!(
-            out,
+        say(format!(
             "McCool, {} textures: mean square log error {}, held out {}",
             mccool.textures,
             significant(mccool.training.log.mean_square),
             held_out(mccool)
-        )?;
+        ));
     }
-    writeln!(
-        out,
+    say(format!(
         "largest albedo {}, reference {}",
         significant(report.albedo.model),
         or_dash(report.albedo.reference)
-    )?;
-    writeln!(out, "samples: {} used", report.samples.used)?;
+    ));
+    say(format!("samples: {} used", report.samples.used));
     if report.samples.dropped.total() > 0 {
-        writeln!(out, "dropped: {}", report.samples.dropped)?;
+        say(format!("dropped: {}", report.samples.dropped));
     }
     for note in &report.notes {
-        writeln!(out, "note: {note}")?;
+        say(format!("note: {note}"));
     }
-    writeln!(out, "{}", place.join("report.html").display())
+    said
 }

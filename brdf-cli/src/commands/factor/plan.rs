@@ -3,20 +3,15 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::Context as _;
-use brdf_factor::{Coordinate, FactorSpec};
-use brdf_io::{
-    Format, IoError, MappedFile, Measured, ProjectionFile, ReadOptions, detect, open_measurement,
-    read_projections,
-};
+use brdf_container::{ProjectionFile, read_projection_source};
+use brdf_files::{FileError, MappedFile};
+use brdf_fit::{FactoredMethod, SearchSettings, Strategy};
 use brdf_param::{Projection, Space};
-use brdf_search::{Family, Objective};
+use brdf_search::Objective;
 
 use super::Factor;
 use crate::args::{positive, usage};
-use crate::choices::{BesideArg, MethodArg, ObjectiveArg, SpaceArg, StrategyArg};
-use crate::fitting::Method;
-use crate::searching::{SearchPlan, Strategy};
+use crate::choices::{BesideArg, MethodArg, ObjectiveArg, ReciprocityArg, SpaceArg, StrategyArg};
 
 /// How projections are searched.
 #[derive(Clone, Debug, clap::Args)]
@@ -54,6 +49,12 @@ pub(super) struct SearchArgs {
 }
 
 impl SearchArgs {
+    /// When a search is to end.
+    pub(super) fn time_limit(&self) -> Option<Duration> {
+        // More than a year is no limit; unbounded numbers would overflow a duration.
+        self.time_limit.map(|seconds| Duration::from_secs_f64(seconds.min(4e7)))
+    }
+
     /// The first option that was given, if any.
     pub(super) fn given(&self) -> Option<&'static str> {
         [
@@ -92,22 +93,22 @@ impl Factor {
     }
 
     /// What is to be done.
-    pub(super) fn plan(&self) -> anyhow::Result<Method> {
+    pub(super) fn plan(&self) -> anyhow::Result<FactoredMethod> {
         if self.method != MethodArg::Projections && self.projections.is_some() {
             return Err(usage(
                 "--projections is for --method projections (--start begins a search)",
             ));
         }
         if self.method == MethodArg::Search {
-            return Ok(Method::Search(self.search_plan()?));
+            return Ok(FactoredMethod::Search(self.search_settings()?));
         }
         let name = self.method.name();
         if let Some(option) = self.search.given() {
             return Err(usage(format!("{option} is for --method search, not {name}")));
         }
-        let Some(reciprocal) = single(self.reciprocal.candidates()) else {
+        if self.reciprocal == ReciprocityArg::Auto {
             return Err(usage(format!("--reciprocal auto is for --method search, not {name}")));
-        };
+        }
         if self.space == Some(SpaceArg::Auto) {
             return Err(usage(format!("--space auto is for --method search, not {name}")));
         }
@@ -118,21 +119,20 @@ impl Factor {
             )));
         }
         Ok(match self.method {
-            MethodArg::Radial => Method::Together(FactorSpec::radial(reciprocal)),
+            MethodArg::Radial => FactoredMethod::Radial,
             MethodArg::Projections => {
                 let Some(path) = &self.projections else {
                     return Err(usage("--method projections needs --projections FILE"));
                 };
                 let (projections, space) = self.projections_of(path)?;
-                let space = space.unwrap_or(Space::Standard);
-                Method::Terms(FactorSpec::projections(space, &projections, reciprocal))
+                FactoredMethod::Projections { space: space.unwrap_or(Space::Standard), projections }
             }
             // Searches and sums of products were told apart before.
-            _ => Method::Together(FactorSpec::mccool(reciprocal)),
+            _ => FactoredMethod::McCool,
         })
     }
 
-    fn search_plan(&self) -> anyhow::Result<SearchPlan> {
+    fn search_settings(&self) -> anyhow::Result<SearchSettings> {
         let args = &self.search;
         let strategy = match (args.search.unwrap_or(StrategyArg::Joint), args.objective) {
             (StrategyArg::Joint, None) => Strategy::Joint,
@@ -155,44 +155,21 @@ impl Factor {
             _ => (Vec::new(), self.space.and_then(|space| single(space.spaces()))),
         };
         let beside = if mccool { Some(BesideArg::Mccool) } else { args.beside };
-        let spaces = space.map_or(SpaceArg::Auto.spaces().to_vec(), |space| vec![space]);
-        let families = spaces
-            .into_iter()
-            .flat_map(|space| {
-                self.reciprocal.candidates().iter().map(move |&reciprocal| Family {
-                    space,
-                    reciprocal,
-                    fixed: beside.map_or_else(Vec::new, |beside| beside.specs(reciprocal)),
-                })
-            })
-            .collect();
-        Ok(SearchPlan {
+        Ok(SearchSettings {
             strategy,
             terms: args.terms.map_or(5, usize::from),
             restarts: args.restarts.map(|count| count as usize),
-            families,
+            spaces: space.map_or(SpaceArg::Auto.spaces().to_vec(), |space| vec![space]),
             start,
-            seed: self.seed,
-            // More than a year is no limit; unbounded numbers would overflow a duration.
-            time_limit: args.time_limit.map(|s| Duration::from_secs_f64(s.min(4e7))),
+            fixed: beside.map(Into::into),
         })
     }
 
     /// The projections of a file and their space, which must be the one asked for, if any.
     fn projections_of(&self, path: &Path) -> anyhow::Result<(Vec<Projection>, Option<Space>)> {
         let bytes = MappedFile::open(path)?;
-        let ProjectionFile { space, projections } = if matches!(detect(&bytes), Ok(Format::Native))
-        {
-            let measurement = open_measurement(path, &ReadOptions::default())?;
-            let Measured::Model(file) = measurement.measured else {
-                anyhow::bail!("{}: holds no model; expected one of `brdf factor`", path.display());
-            };
-            searched_projections(&file.model)
-                .with_context(|| format!("{}: no usable projections", path.display()))?
-        } else {
-            let text = String::from_utf8_lossy(&bytes);
-            read_projections(&text).map_err(IoError::format(path))?
-        };
+        let ProjectionFile { space, projections } =
+            read_projection_source(&bytes).map_err(FileError::content(path))?;
         let asked = self.space.and_then(|space| single(space.spaces()));
         if let (Some(asked), Some(found)) = (asked, space)
             && asked != found
@@ -206,26 +183,6 @@ impl Factor {
         }
         Ok((projections, asked.or(space)))
     }
-}
-
-/// The projections of a model's factors; other factors have none.
-fn searched_projections(model: &brdf_factor::FactoredBrdf) -> anyhow::Result<ProjectionFile> {
-    let found: Vec<(Space, Projection)> = model
-        .factors()
-        .iter()
-        .filter_map(|factor| match factor.coordinates()[0] {
-            Coordinate::Projected { space, projection } => Some((space, projection)),
-            _ => None,
-        })
-        .collect();
-    let Some(&(space, _)) = found.first() else {
-        anyhow::bail!("the model has no projections; expected at least one");
-    };
-    if found.iter().any(|(other, _)| *other != space) {
-        anyhow::bail!("projections in both spaces; expected one");
-    }
-    let projections = found.into_iter().map(|(_, projection)| projection).collect();
-    Ok(ProjectionFile { space: Some(space), projections })
 }
 
 fn single<T: Copy>(choices: &[T]) -> Option<T> {

@@ -2,18 +2,16 @@
 
 use std::path::PathBuf;
 
-use brdf_factor::{Damping, Inverse, Inversion, Preinverted};
-use brdf_io::{
-    BasisFile, BasisRecord, FitSettings, MappedFile, Overwrite, basis_to_bytes, parse_basis,
-    write_atomically,
-};
+use brdf_container::{read_basis, write_basis};
+use brdf_factor::{Damping, Inversion};
+use brdf_files::{FileError, MappedFile, Overwrite, write_atomically};
+use brdf_fit::{Basis, FactoredMethod, FitSettings};
 use clap::ValueEnum;
 
 use crate::args::usage;
-use crate::fitting::Method;
 
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Preinversion (--method mccool, radial, projections)")]
+#[command(next_help_heading = "Preinversion (--method mccool, radial)")]
 pub(super) struct PreinvertArgs {
     /// Also write the inverted matrix, for --with
     #[arg(long, value_name = "FILE")]
@@ -44,20 +42,23 @@ enum DampingArg {
 
 impl PreinvertArgs {
     /// The matrix to solve with, if one is given.
-    pub(super) fn open(&self) -> anyhow::Result<Option<BasisFile>> {
+    pub(super) fn open(&self) -> anyhow::Result<Option<Basis>> {
         let Some(path) = &self.with else { return Ok(None) };
-        let bytes = MappedFile::open(path)?;
-        let basis = parse_basis(&bytes);
-        basis.map(Some).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))
+        let basis = read_basis(&MappedFile::open(path)?).map_err(FileError::content(path))?;
+        Ok(Some(basis))
     }
 
     /// How the matrix is to be inverted, if it is.
-    pub(super) fn inversion(&self, method: &Method) -> anyhow::Result<Option<Inversion>> {
+    pub(super) fn inversion(&self, settings: &FitSettings) -> anyhow::Result<Option<Inversion>> {
         if self.preinvert.is_none() {
             return Ok(None);
         }
-        if !matches!(method, Method::Together(_)) {
-            return Err(usage("--preinvert is for --method mccool, radial or projections"));
+        let method = match settings {
+            FitSettings::Factored(settings) => Some(&settings.method),
+            FitSettings::Separable(_) => None,
+        };
+        if !matches!(method, Some(FactoredMethod::McCool | FactoredMethod::Radial)) {
+            return Err(usage("--preinvert is for --method mccool or radial"));
         }
         let Some(components) = self.components else { return Ok(Some(Inversion::Cholesky)) };
         let damping = match self.damping {
@@ -68,27 +69,9 @@ impl PreinvertArgs {
         Ok(Some(Inversion::Svd { components: components as usize, damping }))
     }
 
-    pub(super) fn write(
-        &self,
-        inverted: &Preinverted,
-        method: &str,
-        settings: &FitSettings,
-        force: bool,
-    ) -> anyhow::Result<()> {
+    pub(super) fn write(&self, basis: &Basis, force: bool) -> anyhow::Result<()> {
         let Some(path) = &self.preinvert else { return Ok(()) };
-        let record = BasisRecord {
-            method: method.to_owned(),
-            plan: inverted.plan().clone(),
-            settings: settings.clone(),
-            key: inverted.key().to_owned(),
-            unknowns: inverted.unknowns(),
-            components: match inverted.inverse() {
-                Inverse::Cholesky(_) => None,
-                Inverse::Svd(basis) => Some(basis.components()),
-            },
-        };
-        let file = BasisFile { inverse: inverted.inverse().clone(), record };
         let overwrite = if force { Overwrite::Anything } else { Overwrite::Ours };
-        Ok(write_atomically(path, &basis_to_bytes(&file)?, overwrite)?)
+        Ok(write_atomically(path, &write_basis(basis)?, overwrite)?)
     }
 }

@@ -1,0 +1,51 @@
+//! What can be done about notes and errors, in terms of options.
+
+use brdf_container::OpenError;
+use brdf_files::FileError;
+use brdf_fit::FitNote;
+use brdf_io::{FormatError, ReadNote};
+use brdf_report::fit_note;
+
+/// What the readers assumed or changed, as sentences.
+pub(crate) fn read_notes(notes: &[ReadNote]) -> Vec<String> {
+    let advice = |note: &ReadNote| match note {
+        ReadNote::Wavelength { .. } => "; --wavelength-um chooses another",
+        _ => "",
+    };
+    notes.iter().map(|note| format!("{note}{}", advice(note))).collect()
+}
+
+/// Notes on a fit of a material that was read with notes of its own, as sentences.
+pub(crate) fn fit_notes(read: &[ReadNote], notes: &[FitNote]) -> Vec<String> {
+    let advice = |note: &FitNote| match note {
+        FitNote::Clamped { in_colour: true, .. } => " (--luminance avoids most of it)",
+        FitNote::NotTakenIsotropic => " (--replicate 32 adds turned copies)",
+        FitNote::FewRows { .. } => "; --texture-size 16 --smoothing 1e-2 gives a calmer picture",
+        FitNote::GainsEnergy { .. } => "; more smoothing or --weight f may mend it",
+        FitNote::AlbedoOff { factored: true, .. } => "; --weight f favours them",
+        FitNote::PowerIteration { .. } => "; --eigen-solver krylov meets 1e-5",
+        _ => "",
+    };
+    let notes = notes.iter().map(|note| format!("{}{}", fit_note(note), advice(note)));
+    read_notes(read).into_iter().chain(notes).collect()
+}
+
+/// The option that helps with an error, as the end of its sentence.
+pub(crate) fn on_error(error: &anyhow::Error) -> &'static str {
+    let file_error = error.chain().find_map(|cause| {
+        let opened = cause.downcast_ref::<OpenError>().and_then(|opened| match opened {
+            OpenError::File(problem) => Some(problem),
+            _ => None,
+        });
+        opened.or(cause.downcast_ref::<FileError>())
+    });
+    match file_error {
+        Some(FileError::InTheWay { .. }) => " or pass --force",
+        Some(FileError::Content { problem, .. })
+            if matches!(problem.downcast_ref(), Some(FormatError::Columns { .. })) =>
+        {
+            "; --columns MEANING=NAME,… says which they are"
+        }
+        _ => "",
+    }
+}
