@@ -21,10 +21,7 @@ pub struct MatchedFolders {
 /// # Errors
 ///
 /// [`FileError::File`] for a folder that cannot be read.
-pub fn match_folders(
-    references: &Path,
-    models: &[&Path],
-) -> Result<MatchedFolders, FileError> {
+pub fn match_folders(references: &Path, models: &[&Path]) -> Result<MatchedFolders, FileError> {
     let references = materials_in(references)?;
     let folders: Vec<Vec<(String, PathBuf)>> =
         models.iter().map(|folder| materials_in(folder)).collect::<Result<_, _>>()?;

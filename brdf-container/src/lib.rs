@@ -43,6 +43,7 @@
 
 mod basis;
 mod btf;
+mod btf_report;
 mod contained;
 mod convert;
 mod error;
@@ -61,6 +62,9 @@ mod table;
 
 pub use basis::{read_basis, write_basis};
 pub use btf::{CompressedBtf, open_compressed_btf, read_btf, write_btf};
+pub use btf_report::{
+    BookSizes, BrdfComparison, CompressReport, CompressedBtfInfo, TextureComparison, TextureSummary,
+};
 pub use contained::{Contained, read_container};
 pub use convert::{Converted, Tabulated};
 pub use error::ContainerError;

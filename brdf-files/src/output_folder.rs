@@ -117,6 +117,11 @@ impl OutputFolder {
         }
     }
 
+    /// Returns the place where the folder will be.
+    pub fn place(&self) -> &Path {
+        &self.place
+    }
+
     /// Moves the folder to its place and returns that place.
     ///
     /// A folder of ours that stood there is replaced; files that we did not write stay, unless one of ours has the

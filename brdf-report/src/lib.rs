@@ -10,6 +10,7 @@ mod files;
 mod notes;
 mod numbers;
 mod page;
+mod rates;
 mod separable;
 mod separable_view;
 mod spheres;
@@ -24,6 +25,7 @@ pub use figures::{
 pub use files::ResultFile;
 pub use notes::fit_note;
 pub use numbers::{bytes, or_dash, percent, significant};
+pub use rates::{rate_csv, rate_plot};
 pub use separable::separable_files;
 pub use separable_view::{Side, term_view};
 pub use spheres::line_up;

@@ -8,6 +8,9 @@ use brdf_io::FormatError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BtfError {
+    /// The work was stopped.
+    #[error(transparent)]
+    Stopped(#[from] brdf_job::Stopped),
     /// No file is named as an image of a BTF.
     #[error(
         "no BTF in {files} files; expected images named by angles, such as \

@@ -37,6 +37,36 @@ pub struct BtfNotes {
     pub foreign_files: Vec<String>,
 }
 
+impl BtfNotes {
+    /// Returns one sentence, without a full stop, for each note.
+    pub fn sentences(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if self.missing > 0 {
+            lines.push(format!(
+                "{} images are missing; their values are interpolated from those of the same view",
+                self.missing
+            ));
+        }
+        let list = |names: &[String]| {
+            let shown: Vec<&str> = names.iter().take(3).map(String::as_str).collect();
+            let rest = if names.len() > 3 { " …" } else { "" };
+            format!("{}{rest}", shown.join(", "))
+        };
+        if !self.off_table_lights.is_empty() {
+            let (count, names) = (self.off_table_lights.len(), list(&self.off_table_lights));
+            lines.push(format!("{count} lights stand where most views have none: {names}"));
+        }
+        // Our own report is no surprise.
+        let is_foreign = |name: &&String| name.rsplit('/').next() != Some("report.json");
+        let foreign: Vec<String> = self.foreign_files.iter().filter(is_foreign).cloned().collect();
+        if !foreign.is_empty() {
+            let (count, names) = (foreign.len(), list(&foreign));
+            lines.push(format!("{count} files are not named by angles and were not read: {names}"));
+        }
+        lines
+    }
+}
+
 /// An image of the set and its file.
 #[derive(Clone, Copy, Debug)]
 struct Image {

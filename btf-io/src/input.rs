@@ -12,6 +12,7 @@ use crate::files::ZIP_MAGIC;
 use brdf_files::{FileError, MappedFile};
 use brdf_io::FormatError;
 use brdf_io::quoted;
+use brdf_job::Job;
 
 /// A BTF whose directions and size are known, and of which nothing is decoded yet.
 #[derive(Debug)]
@@ -80,13 +81,9 @@ impl BtfInput {
     /// # Errors
     ///
     /// [`FileError::Content`] for images that cannot be read.
-    pub fn load(
-        &self,
-        memory_limit: usize,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Btf, FileError> {
+    pub fn load(&self, memory_limit: usize, job: &Job<'_>) -> Result<Btf, FileError> {
         match self {
-            Self::Images(images) => images.load(memory_limit, progress).map(Btf::Images),
+            Self::Images(images) => images.load(memory_limit, job).map(Btf::Images),
             Self::File(file) => Ok(Btf::File(Arc::clone(file))),
         }
     }

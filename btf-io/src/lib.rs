@@ -23,10 +23,12 @@ mod bonn_header;
 mod bonn_texels;
 mod colour_model;
 mod decode;
+mod decompress;
 mod error;
 mod exr_picture;
 mod files;
 mod image_set;
+mod info;
 mod input;
 mod linear;
 mod loaded;
@@ -35,16 +37,22 @@ mod names;
 mod rgbe;
 mod srgb;
 mod store;
+mod synthesis;
 mod ubo_writer;
 
 pub use bonn_file::BtfFile;
 pub use decode::read_btf_image;
+pub use decompress::{DecompressReport, write_decompressed};
 pub use error::BtfError;
 pub use image_set::{BtfImages, BtfNotes};
+pub use info::BtfInfo;
 pub use input::{Btf, BtfInput, open_btf};
 pub use loaded::LoadedBtf;
 pub use maps::{read_albedo, read_map};
 pub use names::{ImageAngles, NamedDirection, parse_image_name};
+pub use synthesis::{
+    Relief, Roughness, SurfaceFiles, SynthReport, SynthesisError, read_surface, write_synthesized,
+};
 pub use ubo_writer::{UboWriter, WrittenImages};
 
 #[cfg(doctest)]

@@ -11,6 +11,7 @@ use super::{BtfError, BtfImages};
 use crate::decode::{ImageKind, decode_image, image_size};
 use crate::store::{BLOCK, BlockStore};
 use brdf_files::FileError;
+use brdf_job::Job;
 
 /// Bytes of images that are decoded before they are put into their blocks.
 const BATCH_BYTES: usize = 32 << 20;
@@ -28,26 +29,18 @@ pub struct LoadedBtf {
 impl BtfImages {
     /// Decodes all images.
     ///
-    /// More than `memory_limit` bytes of them go to a temporary file; a few images come on top. `progress` is called
-    /// with the number of images that were done since it was last called.
+    /// More than `memory_limit` bytes of them go to a temporary file; a few images come on top. Work is counted in
+    /// images.
     ///
     /// # Errors
     ///
     /// [`FileError::Content`] for an image that cannot be read or differs from the others, and if there is
-    /// no room.
-    pub fn load(
-        &self,
-        memory_limit: usize,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<LoadedBtf, FileError> {
-        self.decode_all(memory_limit, progress).map_err(FileError::content(self.path()))
+    /// no room or the job is stopped.
+    pub fn load(&self, memory_limit: usize, job: &Job<'_>) -> Result<LoadedBtf, FileError> {
+        self.decode_all(memory_limit, job).map_err(FileError::content(self.path()))
     }
 
-    fn decode_all(
-        &self,
-        memory_limit: usize,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<LoadedBtf, BtfError> {
+    fn decode_all(&self, memory_limit: usize, job: &Job<'_>) -> Result<LoadedBtf, BtfError> {
         let layout = self.layout().clone();
         let (images, texels) = (layout.image_count(), layout.texel_count());
         let value_size = value_size(layout.encoding);
@@ -57,10 +50,12 @@ impl BtfImages {
         let image_bytes = 3 * value_size * texels;
         let mut batch = vec![0; image_bytes * batch_size(image_bytes).min(images)];
         let mut negative_values = 0;
+        job.begin(format!("reading {}", self.path().display()), images as u64);
         for first in (0..images).step_by(batch.len() / image_bytes) {
+            job.check()?;
             let count = (images - first).min(batch.len() / image_bytes);
             let batch = &mut batch[..count * image_bytes];
-            negative_values += self.decode_batch(first, image_bytes, batch, progress)?;
+            negative_values += self.decode_batch(first, image_bytes, batch, job)?;
             store.put(first, &batch.chunks_exact(image_bytes).collect::<Vec<_>>());
         }
         Ok(LoadedBtf { layout, store, negative_values })
@@ -72,10 +67,10 @@ impl BtfImages {
         first: usize,
         image_bytes: usize,
         out: &mut [u8],
-        progress: &(dyn Fn(u64) + Sync),
+        job: &Job<'_>,
     ) -> Result<u64, BtfError> {
         let decode = |(number, out): (usize, &mut [u8])| {
-            self.decode(first + number, out).inspect(|_| progress(1))
+            self.decode(first + number, out).inspect(|_| job.advance(1))
         };
         let outcomes: Vec<Result<u64, BtfError>> =
             out.par_chunks_exact_mut(image_bytes).enumerate().map(decode).collect();

@@ -11,6 +11,9 @@ use rayon::prelude::*;
 use crate::srgb::srgb_bytes_clipped;
 use brdf_files::{FileError, OutputFolder};
 use brdf_io::FormatError;
+use brdf_job::Job;
+
+use crate::error::BtfError;
 
 /// Of 100. Artefacts then stay below a grey level or two.
 const JPEG_QUALITY: u8 = 95;
@@ -109,6 +112,32 @@ impl UboWriter {
             .collect();
         self.written = written?.into_iter().fold(self.written, WrittenImages::add);
         Ok(())
+    }
+
+    /// Writes the images of all views, which `fill` puts into `[light][texel][rgb]` for the number of a view. Work is
+    /// counted in views.
+    ///
+    /// # Errors
+    ///
+    /// As [`UboWriter::write_view`]; [`BtfError::Stopped`] as the content of a [`FileError::Content`].
+    pub fn write_views(
+        &mut self,
+        mut fill: impl FnMut(usize, &mut [f32]),
+        job: &Job<'_>,
+    ) -> Result<WrittenImages, FileError> {
+        let [width, height] = self.size.map(usize::from);
+        let mut values = vec![0.0; LIGHT_COUNT * 3 * width * height];
+        job.begin("writing views", LIGHT_COUNT as u64);
+        for view in 0..LIGHT_COUNT {
+            let stopped =
+                |stopped| FileError::content(self.folder.place())(BtfError::from(stopped));
+            job.check().map_err(stopped)?;
+            job.rename(format!("view {} of {LIGHT_COUNT}", view + 1));
+            fill(view, &mut values);
+            self.write_view(view, &values)?;
+            job.advance(1);
+        }
+        Ok(self.written)
     }
 
     /// Returns what was written so far.

@@ -3,7 +3,7 @@
 use brdf_job::Job;
 
 use crate::bits::{index_bits, packed_len};
-use crate::model::{Rows, ScaleBits, VALUE_BITS};
+use crate::model::{BookRows, ScaleBits, VALUE_BITS};
 use crate::projected_texels::ProjectedTexels;
 use crate::refined::{CodebookSizes, encode_refined};
 use crate::{AngularGrid, Chroma, Codebooks, VqError};
@@ -69,7 +69,7 @@ pub fn choose_sizes(
     let trials = SPLITS.iter().zip(&sizes).zip(&jobs).map(|((split, sizes), trial)| {
         let empty = Codebooks::new(grid, encoding, Chroma::Relative);
         let encoded = encode_refined(&part, &sizes.times(share), empty, trial)?;
-        let Rows { m, p3, .. } = Rows::of(&encoded.books);
+        let BookRows { m, p3, .. } = BookRows::of(&encoded.books);
         let different = m as f64 / (p3 * grid.thetas).max(1) as f64;
         Ok((split, different, encoded.errors.total))
     });

@@ -84,7 +84,7 @@ pub use grid::{AngularGrid, LightParametrization, LightTaps, Pair, ViewTaps};
 pub use inputs::{GridChoice, TextureInputs};
 pub use lpca::{LocalPca, LpcaDecoder, LpcaHeader, LpcaModel, Steps, fit_lpca, lpca_bytes};
 pub use mip::Mipped;
-pub use model::{Header, Rows, ScaleBits, SharedBytes, TextureHeader, VqModel};
+pub use model::{BookRows, Header, ScaleBits, SharedBytes, TextureHeader, VqModel};
 pub use nearest::{CodeSet, Match};
 pub use paper::{Measure, PaperParams, encode_paper};
 pub use projected_texels::{ProjectedTexels, ProjectionParams};

@@ -16,7 +16,7 @@ use crate::{
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "the names are those of the books")]
-pub struct Rows {
+pub struct BookRows {
     pub p1: usize,
     pub p2: usize,
     pub c: usize,
@@ -27,7 +27,7 @@ pub struct Rows {
     pub p4: usize,
 }
 
-impl Rows {
+impl BookRows {
     /// Returns the numbers of rows of unpacked books.
     pub fn of(books: &Codebooks) -> Self {
         Self {
@@ -65,7 +65,7 @@ pub struct Header {
     /// Relation of chrominance to luminance.
     pub chroma: Chroma,
     /// Sizes of the books.
-    pub rows: Rows,
+    pub rows: BookRows,
     /// Codes of the values of P1.
     pub p1: Quantizer,
     /// Codes of the two columns of C.
@@ -304,7 +304,7 @@ impl VqModel {
             grid: books.grid,
             encoding: books.encoding,
             chroma: books.chroma,
-            rows: Rows::of(books),
+            rows: BookRows::of(books),
             // Densities along β are peaks and floors, where radiance is linear.
             p1: match (bits.always_log, books.encoding) {
                 (true, Encoding::Linear) => Quantizer::logarithmic(VALUE_BITS, &books.p1.values),

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::nearest::{CodeSet, Match, dot};
 use crate::projected_texels::channel_weights;
 use crate::ssim::{SliceSsim, percentile_98};
-use crate::{AngularGrid, Chroma, Codebooks, IndexCodebook, Rows, TexelSet, VqError};
+use crate::{AngularGrid, BookRows, Chroma, Codebooks, IndexCodebook, TexelSet, VqError};
 
 /// A similarity measure of slices, with its threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,7 +222,7 @@ impl Encoder {
         let three = grid.thetas * slice;
         let four = grid.node_count();
         let [_, u, v] = channel_weights(books.encoding);
-        let rows = Rows::of(&books);
+        let rows = BookRows::of(&books);
         let mut encoder = Self {
             grid,
             books,

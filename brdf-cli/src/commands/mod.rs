@@ -1,5 +1,6 @@
 //! The command line: one module per subcommand.
 
+mod btf;
 mod compare;
 mod completions;
 mod convert;
@@ -40,6 +41,8 @@ enum Command {
     Study(study::Study),
     Eval(eval::Eval),
     Sample(sample::Sample),
+    #[command(subcommand)]
+    Btf(btf::Btf),
     Convert(convert::Convert),
     Completions(completions::Completions),
 }
@@ -55,6 +58,7 @@ impl Cli {
             Command::Study(command) => command.run(out),
             Command::Eval(command) => command.run(out),
             Command::Sample(command) => command.run(out),
+            Command::Btf(command) => command.run(out),
             Command::Convert(command) => command.run(out),
             Command::Completions(command) => command.run(out),
         }

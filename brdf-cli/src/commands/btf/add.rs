@@ -5,14 +5,15 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::bail;
-use brdf_io::open_btf_model;
-use btf_vq::BtfModel;
+use anyhow::{Context as _, bail};
+use brdf_container::open_compressed_btf;
+use btf_vq::{Base, BtfModel};
 
-use super::encoding::{Job, ModeArg, SizeArgs, Start};
+use super::encoding::{SizeArgs, Target};
 use super::inputs::Inputs;
 use super::loading::MemoryArgs;
 use crate::args::ForceArgs;
+use crate::progress::Watch;
 
 /// Add textures to a compressed BTF, in its books
 ///
@@ -55,37 +56,22 @@ pub(in crate::commands) struct Add {
 impl Add {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
-        let file = open_btf_model(&self.model)?;
+        let file = open_compressed_btf(&self.model)?;
         let BtfModel::Vq(model) = &file.model else {
             bail!(
                 "{}: local principal components share nothing; compress the other textures apart",
                 self.model.display()
             );
         };
-        let (books, materials) = model.unpack();
-        let mode = if file.made.mode == "paper" { ModeArg::Paper } else { ModeArg::Refined };
-        self.sizes.check(mode)?;
-        let inputs = Inputs::open(&self.inputs, books.grid.into(), self.mipmaps, self.memory)?;
-        if let Some(name) = materials
-            .iter()
-            .map(|m| &m.info.name)
-            .find(|name| inputs.infos.iter().any(|info| info.name == **name))
-        {
-            bail!("{}: has a texture {name} already; rename the input", self.model.display());
-        }
-        inputs.with_sets(|sets| {
-            match sets.iter().find(|set| set.encoding() != books.encoding) {
-                Some(set) => bail!(
-                    "{}: values are {:?}; those of the inputs are {:?}",
-                    self.model.display(),
-                    books.encoding,
-                    set.encoding()
-                ),
-                None => Ok(()),
-            }
-        })?;
-        let start_from = Start { books, materials, made: file.made.clone(), bytes: file.bytes };
-        let job = Job { mode, sizes: &self.sizes, inputs: &inputs, start: Some(start_from) };
-        job.run(&self.output, &self.force, self.json, start, out)
+        let settings = self.sizes.settings(file.made.mode)?;
+        let (books, textures) = model.unpack();
+        let watch = Watch::start();
+        let inputs = Inputs::open(&self.inputs, self.memory, &watch)?;
+        let added = inputs.textures(books.grid.into(), self.mipmaps, &watch)?;
+        let base = Base { books, textures, made: file.made.clone(), bytes: file.bytes };
+        let target = Target { output: &self.output, force: self.force, json: self.json, start };
+        target
+            .compress(&added, &settings, Some(&base), watch, out)
+            .with_context(|| self.model.display().to_string())
     }
 }

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use btf_vq::LightParametrization;
+use btf_vq::{GridChoice, LightParametrization};
 use clap::ValueEnum;
 
-use super::encoding::{Job, ModeArg, SizeArgs};
-use super::inputs::{GridChoice, Inputs};
+use super::encoding::{ModeArg, SizeArgs, Target};
+use super::inputs::Inputs;
 use super::loading::MemoryArgs;
 use crate::args::ForceArgs;
+use crate::progress::Watch;
 
 /// Compress BTFs, or BRDFs, into nested codebooks
 ///
@@ -95,13 +96,15 @@ fn nodes(text: &str) -> Result<Nodes, String> {
 impl Compress {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
-        self.sizes.check(self.mode)?;
+        let settings = self.sizes.settings(self.mode.into())?;
         let grid = GridChoice {
             nodes: self.grid.map(|nodes| nodes.0),
             parametrization: self.parametrization.into(),
         };
-        let inputs = Inputs::open(&self.inputs, grid, self.mipmaps, self.memory)?;
-        let job = Job { mode: self.mode, sizes: &self.sizes, inputs: &inputs, start: None };
-        job.run(&self.output, &self.force, self.json, start, out)
+        let watch = Watch::start();
+        let inputs = Inputs::open(&self.inputs, self.memory, &watch)?;
+        let textures = inputs.textures(grid, self.mipmaps, &watch)?;
+        let target = Target { output: &self.output, force: self.force, json: self.json, start };
+        target.compress(&textures, &settings, None, watch, out)
     }
 }

@@ -4,17 +4,11 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use brdf_io::UboWriter;
-use brdf_param::spherical_direction;
-use btf_synth::{LIGHT_COUNT, ubo_directions};
-use btf_vq::Encoding;
-use btf_vq::colour::srgb_to_linear;
-use rayon::prelude::*;
-use serde_json::json;
+use brdf_report::percent;
+use btf_io::{DecompressReport, UboWriter, write_decompressed};
 
 use super::loading::ModelArgs;
-use crate::numbers::percent;
-use crate::progress::Progress;
+use crate::progress::Watch;
 
 /// Write the images of a compressed BTF
 ///
@@ -46,48 +40,17 @@ impl Decompress {
         let reader = model.reader()?;
         let (width, height) = reader.size(0);
         let mut writer = UboWriter::new(&self.output, width, height, self.force)?;
-        let directions: Vec<glam::DVec3> = ubo_directions()
-            .iter()
-            .map(|&(theta, phi)| {
-                spherical_direction(f64::from(theta).to_radians(), f64::from(phi).to_radians())
-            })
-            .collect();
-        let progress = Progress::new(LIGHT_COUNT as u64);
-        let mut values = vec![0.0; LIGHT_COUNT * 3 * width * height];
-        for (view, wo) in directions.iter().enumerate() {
-            progress.step(format!("view {} of {LIGHT_COUNT}", view + 1));
-            values.par_chunks_exact_mut(3 * width * height).zip(&directions).for_each(
-                |(out, wi)| {
-                    let mut image = vec![[0.0; 3]; width * height];
-                    reader.image(0, &reader.taps(*wi, *wo), &mut image);
-                    for (target, value) in out.as_chunks_mut::<3>().0.iter_mut().zip(image) {
-                        *target = value.map(|v| match reader.encoding() {
-                            Encoding::Srgb => srgb_to_linear(v.max(0.0)),
-                            Encoding::Linear => v.max(0.0),
-                        });
-                    }
-                },
-            );
-            writer.write_view(view, &values)?;
-            progress.done(1);
-        }
-        drop(progress);
-        let written = writer.written();
-        let report = json!({
-            "brdf": env!("CARGO_PKG_VERSION"),
-            "images": written.images,
-            "width": width,
-            "height": height,
-            "clipped": written.clipped_share(),
-        });
-        // The key by which the folder is known to be ours stands first.
-        let report = serde_json::to_string_pretty(&report)?;
-        let place = writer.finish(&report)?;
+        let watch = Watch::start();
+        let written = watch.run(|job| write_decompressed(&reader, &mut writer, job))?;
+        drop(watch);
+        let report = DecompressReport::new(env!("CARGO_PKG_VERSION"), [width, height], &written);
+        let json = serde_json::to_string_pretty(&report)?;
+        let place = writer.finish(&json)?;
         if self.json {
-            writeln!(out, "{report}")?;
+            writeln!(out, "{json}")?;
         } else {
-            let clipped = percent(written.clipped_share());
-            writeln!(out, "{}: {} images, {clipped} clipped", place.display(), written.images)?;
+            let clipped = percent(report.clipped);
+            writeln!(out, "{}: {} images, {clipped} clipped", place.display(), report.images)?;
         }
         Ok(ExitCode::SUCCESS)
     }

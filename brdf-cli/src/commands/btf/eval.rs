@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
-use brdf_io::MappedFile;
+use brdf_files::MappedFile;
 use brdf_param::spherical_direction;
 
-use super::loading::{ModelArgs, texel_at};
+use super::loading::ModelArgs;
 use crate::args::TableArgs;
 
 /// Evaluate a compressed BTF at places and pairs of directions
@@ -52,7 +52,7 @@ impl Eval {
                 (spherical_direction(theta_i, phi_i), spherical_direction(theta_v, phi_v));
             let is_above = angles[0].abs() < 90.0 && angles[2].abs() <= 90.0;
             below += usize::from(!is_above);
-            let texel = texel_at(reader.size(self.level), u, v);
+            let texel = reader.texel_at(self.level, u, v);
             let [r, g, b] = if is_above {
                 reader.linear(self.level, texel, &reader.taps(wi, wo))
             } else {

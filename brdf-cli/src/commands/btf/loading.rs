@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use brdf_io::{Btf, BtfInput, BtfModelFile, open_btf, open_btf_model};
+use brdf_container::{CompressedBtf, open_compressed_btf};
+use brdf_files::FileError;
+use btf_io::{Btf, BtfNotes, open_btf};
 use btf_vq::BtfReader;
 
 use crate::args::memory;
-use crate::progress::Progress;
+use crate::progress::Watch;
 
 /// How much memory images may take.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -17,41 +19,15 @@ pub(super) struct MemoryArgs {
     pub(super) memory: usize,
 }
 
-/// Opens and decodes a BTF, with progress.
-pub(super) fn load(path: &Path, limit: MemoryArgs) -> anyhow::Result<Btf> {
+/// Opens and decodes a BTF.
+pub(super) fn load(path: &Path, limit: MemoryArgs, watch: &Watch) -> Result<Btf, FileError> {
     let input = open_btf(path)?;
-    let progress = Progress::new(input.layout().image_count() as u64);
-    progress.step(format!("reading {}", path.display()));
-    Ok(input.load(limit.memory, &|images| progress.done(images))?)
+    watch.run(|job| input.load(limit.memory, job))
 }
 
 /// What should be said about an input, one line each.
-pub(super) fn notes(input: &BtfInput) -> Vec<String> {
-    let Some(notes) = input.notes() else { return Vec::new() };
-    let mut lines = Vec::new();
-    if notes.missing > 0 {
-        lines.push(format!(
-            "{} images are missing; their values are interpolated from those of the same view",
-            notes.missing
-        ));
-    }
-    let list = |names: &[String]| {
-        let shown: Vec<&str> = names.iter().take(3).map(String::as_str).collect();
-        let rest = if names.len() > 3 { " …" } else { "" };
-        format!("{}{rest}", shown.join(", "))
-    };
-    if !notes.off_table_lights.is_empty() {
-        let (count, names) = (notes.off_table_lights.len(), list(&notes.off_table_lights));
-        lines.push(format!("{count} lights stand where most views have none: {names}"));
-    }
-    // Our own report is no surprise.
-    let is_foreign = |name: &&String| name.rsplit('/').next() != Some("report.json");
-    let foreign: Vec<String> = notes.foreign_files.iter().filter(is_foreign).cloned().collect();
-    if !foreign.is_empty() {
-        let (count, names) = (foreign.len(), list(&foreign));
-        lines.push(format!("{count} files are not named by angles and were not read: {names}"));
-    }
-    lines
+pub(super) fn notes(path: &Path) -> Result<Vec<String>, FileError> {
+    Ok(open_btf(path)?.notes().map_or_else(Vec::new, BtfNotes::sentences))
 }
 
 /// A compressed BTF and which of its textures is meant.
@@ -67,7 +43,7 @@ pub(super) struct ModelArgs {
 
 impl ModelArgs {
     pub(super) fn open(&self) -> anyhow::Result<OpenModel> {
-        let file = open_btf_model(&self.model)?;
+        let file = open_compressed_btf(&self.model)?;
         let textures = file.model.textures();
         let number = self.texture.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
         let named = textures.iter().position(|t| t.name == self.texture);
@@ -86,7 +62,7 @@ impl ModelArgs {
 
 /// An open model and the number of a texture.
 pub(super) struct OpenModel {
-    pub(super) file: BtfModelFile,
+    pub(super) file: CompressedBtf,
     pub(super) texture: usize,
 }
 
@@ -98,14 +74,6 @@ impl OpenModel {
     pub(super) fn cosine_included(&self) -> bool {
         self.file.model.textures()[self.texture].cosine_included
     }
-}
-
-/// Texel, row-major, of tile coordinates; u to the right, v upwards.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to the tile")]
-pub(super) fn texel_at((width, height): (usize, usize), u: f64, v: f64) -> usize {
-    let x = (u.rem_euclid(1.0) * width as f64) as usize;
-    let y = ((1.0 - v.rem_euclid(1.0)) * height as f64) as usize;
-    y.min(height - 1) * width + x.min(width - 1)
 }
 
 /// Most memory that this process has had in use, bytes, where the system says.

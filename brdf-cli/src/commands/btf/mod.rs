@@ -1,13 +1,11 @@
 //! `brdf btf`: bidirectional texture functions.
 
 mod add;
-mod brdfs;
 mod compare;
 mod compress;
 mod decompress;
 mod encoding;
 mod eval;
-mod fidelity;
 mod info;
 mod inputs;
 mod loading;

@@ -1,25 +1,19 @@
 //! `brdf btf render`.
 
-use std::f64::consts::PI;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use brdf_image::ToneMap;
-use brdf_io::write_atomically;
-use brdf_model::Rgb;
-use brdf_render::{
-    MeshView, Shape, SpatiallyVarying, TexturePoint, TexturedView, render_mesh, render_textured,
-};
-use btf_vq::{BtfReader, Taps};
+use brdf_files::write_atomically;
+use brdf_image::{ToneMap, encode_png};
+use brdf_render::{MeshView, Shape, TexturedView, render_mesh, render_textured};
+use btf_vq::TexturedBtf;
 use clap::ValueEnum;
-use glam::DVec3;
 
-use super::loading::{ModelArgs, texel_at};
+use super::loading::ModelArgs;
 use crate::args::{ForceArgs, LightArgs, positive, usage};
 use crate::meshes::MeshArgs;
-use crate::pictures::{light, png};
-use crate::progress::Progress;
+use crate::progress::Watch;
 
 /// Render a compressed BTF on a shape or a mesh
 ///
@@ -95,12 +89,12 @@ impl Render {
         }
         let model = self.model.open()?;
         let material =
-            Textured { reader: model.reader()?, cosine_included: model.cosine_included() };
-        let light = light(&self.light)?;
+            TexturedBtf { reader: model.reader()?, cosine_included: model.cosine_included() };
+        let light = self.light.open()?;
         let mesh = self.mesh.open()?;
         let (size, samples, tiles) = (self.size as usize, self.samples, self.tiles);
-        let progress = Progress::new(1);
-        progress.step("rendering");
+        let watch = Watch::start();
+        watch.step("rendering");
         let film = if let Some(mesh) = &mesh {
             let view = MeshView { size, samples, tiles, has_ground: self.mesh.view.ground };
             render_mesh(mesh, &material, &light, &self.mesh.view.camera(mesh), &view)
@@ -113,55 +107,11 @@ impl Render {
             };
             render_textured(&material, shape, &light, &TexturedView { size, samples, tiles, tilt })
         };
-        drop(progress);
+        drop(watch);
         let tone =
             self.exposure.map_or_else(|| ToneMap::exposed_for(&film), |e| ToneMap { exposure: e });
-        write_atomically(&self.output, &png(&tone.apply(&film))?, self.force.overwrite())?;
+        write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
-    }
-}
-
-/// A texture of a compressed BTF as a material.
-struct Textured<'a> {
-    reader: BtfReader<'a>,
-    cosine_included: bool,
-}
-
-impl Textured<'_> {
-    /// The level whose texels are about as large as a footprint, and the texel there.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "levels are few")]
-    fn place(&self, at: &TexturePoint) -> (usize, usize) {
-        let (width, height) = self.reader.size(0);
-        let texels = at.footprint * width.max(height) as f64;
-        let level = (texels.max(1.0).log2().round() as usize).min(self.reader.levels() - 1);
-        (level, texel_at(self.reader.size(level), at.u, at.v))
-    }
-}
-
-impl SpatiallyVarying for Textured<'_> {
-    fn reflect(&self, at: &TexturePoint, wo: DVec3, lights: &[DVec3], out: &mut [Rgb]) {
-        let (level, texel) = self.place(at);
-        let (view, azimuth) = self.reader.grid().view_taps(wo);
-        for (value, &wi) in out.iter_mut().zip(lights) {
-            if wi.z <= 0.0 || wo.z <= 0.0 {
-                *value = Rgb::BLACK;
-                continue;
-            }
-            let taps = Taps { view, light: self.reader.grid().light_taps(wi, azimuth) };
-            let cosine = if self.cosine_included { 1.0 } else { wi.z };
-            let radiance = self.reader.linear(level, texel, &taps);
-            *value = Rgb::from(radiance.map(|v| f64::from(v) * cosine / PI));
-        }
-    }
-
-    fn sample(&self, at: &TexturePoint, wo: DVec3, u1: f64, u2: f64) -> Option<(DVec3, f64)> {
-        let (level, texel) = self.place(at);
-        Some(self.reader.light_sampler(level, texel, wo).sample(u1, u2))
-    }
-
-    fn pdf(&self, at: &TexturePoint, wo: DVec3, wi: DVec3) -> f64 {
-        let (level, texel) = self.place(at);
-        self.reader.light_sampler(level, texel, wo).pdf(wi)
     }
 }

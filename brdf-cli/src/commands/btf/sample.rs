@@ -4,10 +4,10 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use anyhow::bail;
-use brdf_model::ScrambledSobol;
 use brdf_param::spherical_direction;
+use btf_vq::{DrawParams, DrawnLight, draw_lights};
 
-use super::loading::{ModelArgs, texel_at};
+use super::loading::ModelArgs;
 use crate::args::TableArgs;
 
 /// Draw light directions for a view, distributed as the luminance that a compressed BTF stores
@@ -59,24 +59,17 @@ impl Sample {
         let model = self.model.open()?;
         let reader = model.reader()?;
         let wo = spherical_direction(theta.to_radians(), phi.to_radians());
-        let (places, draws) = (ScrambledSobol::new(self.seed), ScrambledSobol::new(!self.seed));
+        let params = DrawParams {
+            count: self.samples,
+            at: self.at,
+            seed: self.seed,
+            cosine_included: model.cosine_included(),
+        };
+        let (drawn, albedo) = draw_lights(&reader, wo, &params);
         let mut table = String::from("theta_i_deg,phi_i_deg,pdf,r,g,b\n");
-        let mut albedo = [0.0; 3];
-        for index in 0..self.samples {
-            let [u, v] = self.at.unwrap_or_else(|| places.planar_point(index));
-            let texel = texel_at(reader.size(0), u, v);
-            let sampler = reader.light_sampler(0, texel, wo);
-            let [u1, u2] = draws.planar_point(index);
-            let (wi, pdf) = sampler.sample(u1, u2);
-            let value = reader.linear(0, texel, &reader.taps(wi, wo));
-            let cosine = if model.cosine_included() { 1.0 } else { wi.z };
-            for (sum, v) in albedo.iter_mut().zip(value) {
-                let share = f64::from(v) * cosine / (pdf.max(1e-12) * std::f64::consts::PI);
-                *sum += share / f64::from(self.samples);
-            }
+        for DrawnLight { wi, pdf, radiance: [r, g, b] } in drawn {
             let azimuth = wi.y.atan2(wi.x).to_degrees();
             let polar = wi.z.clamp(-1.0, 1.0).acos().to_degrees();
-            let [r, g, b] = value;
             table.push_str(&format!("{polar},{azimuth},{pdf},{r},{g},{b}\n"));
         }
         self.table.write(&table, out)?;

@@ -5,17 +5,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::Context as _;
-use brdf_io::{UboWriter, WrittenImages, read_albedo, read_map};
-use btf_synth::{
-    LIGHT_COUNT, Map, Reflectance, SurfaceMaps, SurfaceScene, SynthOptions, heights_from_normals,
+use brdf_report::{percent, significant};
+use btf_io::{
+    Relief, Roughness, SurfaceFiles, SynthReport, UboWriter, read_surface, write_synthesized,
 };
+use btf_synth::SynthOptions;
 use clap::ValueEnum;
-use serde::Serialize;
 
 use crate::args::{not_negative, usage};
-use crate::numbers::{percent, significant};
-use crate::progress::Progress;
+use crate::progress::Watch;
 
 /// Synthesize the images of a surface from its maps
 ///
@@ -96,49 +94,19 @@ enum ChannelArg {
     B,
 }
 
-/// Reflectance at normal incidence of most dielectrics (index of refraction 1.5).
-const F0: f32 = 0.04;
-
-#[derive(Serialize)]
-struct Report {
-    brdf: &'static str,
-    images: usize,
-    size: u16,
-    seconds: f64,
-    /// Share of the values that were clipped.
-    clipped: f64,
-    peak: f32,
-    bytes: u64,
-    /// Lowest and highest point in units of the tile's width.
-    height_range: [f32; 2],
-    height_scale: f64,
-    samples: u32,
-    bounce_rays: u32,
-    height: Option<PathBuf>,
-    albedo: PathBuf,
-    normal: Option<PathBuf>,
-    roughness: String,
-    invert: bool,
-}
-
 impl Synth {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
-        let maps = self.surface()?;
+        let files = self.files()?;
+        let maps = read_surface(&files)?;
         let options = SynthOptions { samples: self.samples, bounce_rays: self.bounce_rays };
         let mut writer = UboWriter::new(&self.output, maps.width(), maps.height(), self.force)?;
-        let progress = Progress::new(LIGHT_COUNT as u64);
-        progress.step("shadows and bounces");
-        let scene = SurfaceScene::new(&maps, Reflectance::Ggx { f0: F0 }, &options)?;
-        let mut images = vec![0.0; 3 * LIGHT_COUNT * scene.width() * scene.height()];
-        for view in 0..LIGHT_COUNT {
-            progress.step(format!("view {} of {LIGHT_COUNT}", view + 1));
-            scene.synthesize_view(view, &mut images);
-            writer.write_view(view, &images)?;
-            progress.done(1);
-        }
-        drop(progress);
-        let report = self.report(&maps, &writer.written(), start.elapsed().as_secs_f64());
+        let watch = Watch::start();
+        let written = watch.run(|job| write_synthesized(&maps, &options, &mut writer, job))?;
+        drop(watch);
+        let seconds = start.elapsed().as_secs_f64();
+        let version = env!("CARGO_PKG_VERSION");
+        let report = SynthReport::new(version, &files, &maps, &options, &written, seconds);
         let json = serde_json::to_string_pretty(&report)?;
         let place = writer.finish(&json)?;
         if self.json {
@@ -149,81 +117,35 @@ impl Synth {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// The surface that the maps describe.
-    fn surface(&self) -> anyhow::Result<SurfaceMaps> {
-        let size = usize::from(self.size);
-        let heights = self.heights()?;
-        let albedo = read_albedo(&self.albedo)?;
-        let roughness = self.roughness()?;
-        Ok(SurfaceMaps::from_maps(size, &heights, &albedo, &roughness)?)
-    }
-
-    /// Heights in units of the tile's width.
-    fn heights(&self) -> anyhow::Result<Map> {
-        #[expect(clippy::cast_possible_truncation, reason = "heights are stored as f32")]
-        let scale = self.height_scale as f32;
-        // Normals know no scale: their heights are stretched to it. Those of a map count from black.
-        let heights = match (&self.height, &self.normal) {
-            (Some(path), _) => first(read_map(path)?).scaled(scale),
-            (None, Some(path)) => normal_heights(path)?.stretched(scale),
+    /// The files of the surface and how they are read.
+    fn files(&self) -> anyhow::Result<SurfaceFiles> {
+        let relief = match (&self.height, &self.normal) {
+            (Some(path), _) => Relief::Heights(path.clone()),
+            (None, Some(path)) => Relief::Normals(path.clone()),
             (None, None) => return Err(usage("expected --height or --normal")),
         };
-        Ok(if self.invert { heights.inverted() } else { heights })
-    }
-
-    fn roughness(&self) -> anyhow::Result<Map> {
-        if let Ok(value) = self.roughness.parse::<f32>() {
-            if !(0.0..=1.0).contains(&value) {
+        let roughness = match self.roughness.parse::<f32>() {
+            Ok(value) if (0.0..=1.0).contains(&value) => Roughness::Constant(value),
+            Ok(value) => {
                 return Err(usage(format!("--roughness {value}: expected 0 to 1, or a file")));
             }
-            return Ok(Map::constant(1, 1, value)?);
-        }
-        let mut channels = read_map(Path::new(&self.roughness))?;
-        // A grey map has one channel, which every choice means.
-        let index = (self.roughness_channel as usize).min(channels.len() - 1);
-        Ok(channels.swap_remove(index))
-    }
-
-    fn report(&self, maps: &SurfaceMaps, written: &WrittenImages, seconds: f64) -> Report {
-        let range = maps
-            .heights()
-            .iter()
-            .fold([0.0_f32; 2], |[low, high], &height| [low.min(height), high.max(height)]);
-        Report {
-            brdf: env!("CARGO_PKG_VERSION"),
-            images: written.images,
-            size: self.size,
-            seconds,
-            clipped: written.clipped_share(),
-            peak: written.peak,
-            bytes: written.bytes,
-            height_range: range,
-            height_scale: self.height_scale,
-            samples: self.samples,
-            bounce_rays: self.bounce_rays,
-            height: self.height.clone(),
+            Err(_) => Roughness::Map {
+                path: PathBuf::from(&self.roughness),
+                channel: self.roughness_channel as usize,
+            },
+        };
+        Ok(SurfaceFiles {
+            relief,
             albedo: self.albedo.clone(),
-            normal: self.normal.clone(),
-            roughness: self.roughness.clone(),
-            invert: self.invert,
-        }
+            roughness,
+            size: self.size,
+            height_scale: self.height_scale,
+            is_inverted: self.invert,
+        })
     }
 }
 
-/// Of a coloured map of heights the first channel stands for all.
-fn first(mut channels: Vec<Map>) -> Map {
-    channels.swap_remove(0)
-}
-
-fn normal_heights(path: &Path) -> anyhow::Result<Map> {
-    let channels: [Map; 3] = read_map(path)?
-        .try_into()
-        .ok()
-        .with_context(|| format!("{}: a grey image; expected normals", path.display()))?;
-    Ok(heights_from_normals(&channels)?)
-}
-
-fn print(report: &Report, place: &Path, out: &mut impl Write) -> std::io::Result<()> {
+fn print(report: &SynthReport, place: &Path, out: &mut impl Write) -> std::io::Result<()> {
     let [low, high] = report.height_range;
     writeln!(
         out,
