@@ -10,7 +10,7 @@ use crate::{AngularGrid, Chroma, Codebooks, VqError};
 
 /// Returns the bytes of the streams of books of these sizes and `texels` texels. Each entry takes an index of ⌈log₂
 /// rows⌉ bits and a scale, every stream is rounded up to bytes, and the two chrominances take 8 bits each.
-pub fn stream_bytes(grid: &AngularGrid, rows: &Rows, bits: &ScaleBits, texels: usize) -> u64 {
+pub fn stream_bytes(grid: &AngularGrid, rows: &BookRows, bits: &ScaleBits, texels: usize) -> u64 {
     let scaled = |rows, len, target, scale| (rows * len, index_bits(target) + scale);
     let streams = [
         (rows.p1 * grid.betas, VALUE_BITS),
@@ -137,10 +137,10 @@ impl CodebookSizes {
     /// Returns the rows of all books, where `different` of the views of P3, as a share, have a row of M of their
     /// own.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of books")]
-    pub fn rows(&self, grid: &AngularGrid, different: f64) -> Rows {
+    pub fn rows(&self, grid: &AngularGrid, different: f64) -> BookRows {
         let Self { p4, p3, p2, p1, i2, i1, c } = *self;
         let m = (different * (p3 * grid.thetas) as f64) as usize;
-        Rows { p1, p2, c, i1, i2, m: m.max(1), p3, p4 }
+        BookRows { p1, p2, c, i1, i2, m: m.max(1), p3, p4 }
     }
 
     /// Returns sizes that are `share` of these, with as many colours, so that as many pairs of P2 and I2 differ

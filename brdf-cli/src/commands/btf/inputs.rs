@@ -77,8 +77,10 @@ impl Inputs {
     ) -> anyhow::Result<TextureInputs<'_>> {
         match self {
             Self::Images(sources) => {
-                let source = |(name, btf): &'_ (String, Btf)| (name.clone(), btf as &dyn BtfSource);
-                let sources = sources.iter().map(source).collect();
+                let sources = sources
+                    .iter()
+                    .map(|(name, btf)| (name.clone(), btf as &dyn BtfSource))
+                    .collect();
                 Ok(TextureInputs::images(sources, grid, with_mipmaps))
             }
             Self::Brdfs(files) => {
