@@ -123,7 +123,12 @@ pub fn read(bytes: &[u8], options: &ReadOptions) -> Result<Measurement, FormatEr
 
 #[cfg_attr(
     not(all(feature = "nbrdf", feature = "merl", feature = "table")),
-    allow(unused_variables, unreachable_code, reason = "each reader takes what it needs")
+    allow(
+        unused_variables,
+        unreachable_code,
+        clippy::ptr_arg,
+        reason = "each reader takes what it needs"
+    )
 )]
 fn read_as(
     format: Format,

@@ -54,8 +54,12 @@ const PANEL: (u32, u32) = (420, 320);
 /// ```
 /// use brdf_plot::{Curves, PlotError, Series, plot_curves};
 ///
-/// let line = Curves { series: vec![Series::new("y = x", vec![(0.0, 0.0), (1.0, 1.0)])], ..Curves::default() };
-/// assert!(plot_curves(&[line], 1)?.svg().contains("y = x"));
+/// let line = Curves {
+///     title: "a straight line".to_owned(),
+///     series: vec![Series::new("y = x", vec![(0.0, 0.0), (1.0, 1.0)])],
+///     ..Curves::default()
+/// };
+/// assert!(plot_curves(&[line], 1)?.svg().contains("a straight line"));
 /// assert!(matches!(plot_curves(&[Curves::default()], 1), Err(PlotError::Nothing { .. })));
 /// # Ok::<(), PlotError>(())
 /// ```

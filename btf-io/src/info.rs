@@ -6,34 +6,34 @@ use serde::Serialize;
 use crate::image_set::BtfNotes;
 use crate::input::BtfInput;
 
-/// What a BTF holds.
+/// Size, directions and meaning of a BTF, as its names and headers give them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BtfInfo {
-    /// `binary BTF` or `set of images`.
+    /// Kind of the BTF: `binary BTF` or `set of images`.
     pub kind: &'static str,
     /// Texels in a row.
     pub width: usize,
     /// Rows of texels.
     pub height: usize,
-    /// Directions of view.
+    /// Number of views.
     pub views: usize,
-    /// Most lights of a view.
+    /// Largest number of lights of a view.
     pub lights: Option<usize>,
     /// Number of images.
     pub images: usize,
-    /// What values are: `sRGB, 8 bits` or `linear radiance`.
+    /// Meaning of the values: `sRGB, 8 bits` or `linear radiance`.
     pub encoding: &'static str,
     /// Whether values contain the cosine of the light's polar angle.
     pub cosine_included: bool,
     /// Bytes of the raw images, as the paper counts.
     pub raw_bytes: u64,
-    /// What is unusual, in sentences.
+    /// Facts that are unusual, in sentences.
     pub notes: Vec<String>,
 }
 
 impl BtfInput {
-    /// Returns what the BTF holds.
+    /// Returns size, directions and meaning of the BTF.
     pub fn info(&self) -> BtfInfo {
         let layout = self.layout();
         BtfInfo {

@@ -4,7 +4,9 @@
 //!   University of Bonn, whichever the content is. The [`BtfInput`] that it returns knows directions and sizes before
 //!   anything is decoded; [`BtfInput::load`] decodes.
 //! - [`read_map`] and [`read_albedo`] read the maps of height, normal and albedo that images are synthesized from.
-//! - [`UboWriter`] writes images in the layout of the UBO2003 measurements.
+//!   [`read_surface`] makes a surface of them.
+//! - [`UboWriter`] writes images in the layout of the UBO2003 measurements: synthesized ones with [`write_synthesized`],
+//!   those of a compressed BTF with [`write_decompressed`].
 //!
 //! What is loaded is a [`btf_vq::BtfSource`], which `btf-vq` compresses.
 //!

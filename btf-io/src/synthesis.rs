@@ -32,7 +32,7 @@ pub enum Roughness {
     Constant(f32),
     /// A channel of a map; a grey map has one, which every number means.
     Map {
-        /// The file.
+        /// Path of the map.
         path: PathBuf,
         /// Number of the channel, from 0.
         channel: usize,
@@ -46,7 +46,7 @@ pub struct SurfaceFiles {
     pub relief: Relief,
     /// Colours, sRGB.
     pub albedo: PathBuf,
-    /// How rough it is.
+    /// Roughness of the surface.
     pub roughness: Roughness,
     /// Side of the images, texels.
     pub size: u16,
@@ -133,17 +133,17 @@ pub struct SynthReport {
     pub images: usize,
     /// Side of the images, texels.
     pub size: u16,
-    /// Time it took.
+    /// Time that the synthesis took, seconds.
     pub seconds: f64,
     /// Share of the values that were clipped, in [0, 1].
     pub clipped: f64,
-    /// The largest value.
+    /// Largest value, before clipping.
     pub peak: f32,
-    /// Of all images.
+    /// Bytes of all images.
     pub bytes: u64,
     /// Lowest and highest point in units of the tile's width.
     pub height_range: [f32; 2],
-    /// Height of white over black.
+    /// Height of white over black, as a share of the tile's width.
     pub height_scale: f64,
     /// Samples per texel.
     pub samples: u32,
@@ -155,7 +155,7 @@ pub struct SynthReport {
     pub albedo: PathBuf,
     /// The map of normals, if there was one.
     pub normal: Option<PathBuf>,
-    /// Number or file.
+    /// Roughness: a number, or the file of a map.
     pub roughness: String,
     /// Whether hills were turned into valleys.
     pub invert: bool,

@@ -3,6 +3,7 @@
 
 use brdf_files::MappedFile;
 use brdf_io::FormatError;
+use brdf_job::Job;
 use btf_io::{Btf, BtfFile, open_btf};
 use btf_vq::{BtfSource as _, Encoding};
 use half::f16;
@@ -244,7 +245,7 @@ fn directions_and_meaning_are_those_of_the_head() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("felt.btf");
     std::fs::write(&path, decorrelated(0, 2, false)).unwrap();
-    let Btf::File(file) = open_btf(&path).unwrap().load(0, &|_| ()).unwrap() else {
+    let Btf::File(file) = open_btf(&path).unwrap().load(0, &Job::new()).unwrap() else {
         panic!("a file")
     };
     let layout = file.layout();

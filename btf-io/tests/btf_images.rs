@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use brdf_files::MappedFile;
 use brdf_image::encode_exr;
+use brdf_job::{Job, Progress};
 use btf_io::{Btf, BtfImages, BtfInput, LoadedBtf, open_btf, read_btf_image};
 use btf_vq::{BtfSource as _, Encoding};
 
@@ -73,7 +74,9 @@ fn images(input: BtfInput) -> BtfImages {
 }
 
 fn load(input: &BtfInput) -> LoadedBtf {
-    let Btf::Images(loaded) = input.load(usize::MAX, &|_| ()).unwrap() else { panic!("images") };
+    let Btf::Images(loaded) = input.load(usize::MAX, &Job::new()).unwrap() else {
+        panic!("images")
+    };
     loaded
 }
 
@@ -83,7 +86,7 @@ fn refusal(files: &[(String, Vec<u8>)]) -> String {
     write_folder(folder.path(), files);
     let message = match open_btf(folder.path()) {
         Err(error) => error.to_string(),
-        Ok(input) => input.load(usize::MAX, &|_| ()).unwrap_err().to_string(),
+        Ok(input) => input.load(usize::MAX, &Job::new()).unwrap_err().to_string(),
     };
     assert!(!message.contains('\n'), "{message}");
     message
@@ -134,11 +137,13 @@ fn blocks_are_the_texels_of_all_images_in_memory_and_on_disk() {
     write_folder(folder.path(), &ubo_files());
     let input = open_btf(folder.path()).unwrap();
     let done = AtomicU64::new(0);
-    let count = |n| {
-        done.fetch_add(n, Ordering::Relaxed);
+    let watch = |progress: &Progress<'_>| {
+        done.fetch_max(progress.done, Ordering::Relaxed);
     };
     for memory_limit in [usize::MAX, 0] {
-        let loaded = input.load(memory_limit, &count).unwrap();
+        done.store(0, Ordering::Relaxed);
+        let loaded = input.load(memory_limit, &Job::watched_by(&watch)).unwrap();
+        assert_eq!(done.load(Ordering::Relaxed), 16, "every image is counted once");
         for range in [0..64, 64..128, 128..180, 0..180, 50..130, 7..7] {
             let mut out = vec![-1.0; 16 * 3 * range.len()];
             loaded.read_texels(range.clone(), &mut out).unwrap();
@@ -149,7 +154,6 @@ fn blocks_are_the_texels_of_all_images_in_memory_and_on_disk() {
             assert!(out == expected, "texels {range:?}");
         }
     }
-    assert_eq!(done.into_inner(), 32, "every image is counted once for each loading");
 }
 
 #[test]
@@ -409,7 +413,7 @@ fn cut_and_damaged_archives_are_read_or_refused() {
     let read = |bytes: &[u8]| {
         let bytes = MappedFile::from(bytes.to_vec());
         let images = BtfImages::in_archive(Path::new("btf.zip"), bytes)?;
-        images.load(1 << 20, &|_| ())
+        images.load(1 << 20, &Job::new())
     };
     read(&bytes).unwrap();
     for length in (0..bytes.len()).step_by(7) {

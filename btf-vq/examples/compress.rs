@@ -21,7 +21,7 @@ impl Stripes {
     #[expect(clippy::cast_possible_truncation, reason = "images are f32")]
     fn radiance(texel: usize, wi: DVec3, wo: DVec3) -> [f32; 3] {
         let gloss = 0.3 * (wi + wo).normalize_or(DVec3::Z).z.powi(20);
-        let albedo = if texel / 2 % 2 == 0 { [0.7, 0.3, 0.2] } else { [0.2, 0.4, 0.6] };
+        let albedo = if (texel / 2).is_multiple_of(2) { [0.7, 0.3, 0.2] } else { [0.2, 0.4, 0.6] };
         albedo.map(|a| (wi.z * (a + gloss)) as f32)
     }
 

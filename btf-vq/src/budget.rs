@@ -198,7 +198,7 @@ mod tests {
     fn the_papers_file_sizes_are_reproduced() {
         let grid = AngularGrid::default();
         for (name, encoding, reported, [p1, p2, c, i1, i2, m, p3, p4]) in TABLE_3 {
-            let rows = Rows { p1, p2, c, i1, i2, m, p3, p4 };
+            let rows = BookRows { p1, p2, c, i1, i2, m, p3, p4 };
             let bytes = stream_bytes(&grid, &rows, &ScaleBits::paper(encoding), 256 * 256);
             let ratio = bytes as f64 / reported as f64;
             assert!((ratio - 1.0).abs() < 0.04, "{name}: {bytes} bytes of {reported}");
