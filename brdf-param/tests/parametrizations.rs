@@ -151,3 +151,50 @@ fn solid_angle_densities_integrate_to_the_hemisphere() {
         assert!((solid_angle / (2.0 * PI) - 1.0).abs() < allowed, "{map:?}: {solid_angle}");
     }
 }
+
+proptest! {
+    #![proptest_config(cases(5_000))]
+
+    #[test]
+    fn hemispheres_return_pairs(pair in pair()) {
+        for parametrization in Parametrization::ALL {
+            let points = parametrization.hemispheres(&pair);
+            for point in points {
+                prop_assert!((point.length() - 1.0).abs() < 1e-9 && point.z > -1e-9, "{parametrization:?}: {point}");
+            }
+            // Heights of the tangent-plane coordinates, and cos β of onion slices, come back through
+            // a root; the frame of Kautz and McCool turns quickly next to the tangent.
+            let half = pair.half();
+            let cos_beta = |a: DVec3, b: DVec3| {
+                let view = b.truncate().try_normalize().unwrap_or(DVec2::X);
+                a.z.hypot(a.truncate().dot(view))
+            };
+            let smallest = pair.wi.z.min(pair.wo.z).min(half.y.hypot(half.z))
+                .min(cos_beta(pair.wi, pair.wo));
+            let Some(back) = parametrization.from_hemispheres(points) else {
+                prop_assert!(smallest < 1e-6, "{parametrization:?} lost {pair:?}");
+                continue;
+            };
+            let off = back.wi.distance(pair.wi).max(back.wo.distance(pair.wo));
+            prop_assert!(off < 1e-6 || smallest < 1e-6, "{parametrization:?}: {off} at {pair:?}");
+        }
+    }
+
+    #[test]
+    fn isotropic_hemispheres_are_those_of_a_turned_pair(pair in pair()) {
+        for parametrization in Parametrization::ALL {
+            let points = parametrization.isotropic_hemispheres(&pair);
+            prop_assert!(points[0].y.abs() < 1e-15 && points[0].x >= 0.0);
+            let smallest = pair.wi.z.min(pair.wo.z).min(pair.half().z);
+            let Some(back) = parametrization.from_isotropic_hemispheres(points) else {
+                prop_assert!(smallest < 1e-4, "{parametrization:?} lost {pair:?}");
+                continue;
+            };
+            // What no turn about the normal changes.
+            let invariants = |p: &DirectionPair| [p.wi.z, p.wo.z, p.wi.dot(p.wo)];
+            for (a, b) in invariants(&back).into_iter().zip(invariants(&pair)) {
+                prop_assert!((a - b).abs() < 1e-5 || smallest < 1e-4, "{parametrization:?}: {a} for {b} at {pair:?}");
+            }
+        }
+    }
+}

@@ -83,7 +83,7 @@ pub use precompute::{Chunk, Codec, Precomputation, PrecomputeParams};
 pub use raster::{RenderParams, render};
 pub use ray_packet::{Occluder, TILE, Tile};
 pub use scene::{Part, RelitScene};
-pub use speed::{Speed, SpeedParams, measure_speed};
+pub use speed::{Speed, SpeedParams, SpeedReport, measure_speed};
 pub use store::{Codes, SparseTransport, Transport, VERTEX_BLOCK};
 pub use surface::Surface;
 pub use sweep::{Sweep, Vary, sweep};

@@ -51,6 +51,19 @@ pub struct Speed {
     pub lit_coefficients: usize,
 }
 
+/// What `brdf relight bench` prints: speed beside size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SpeedReport {
+    /// Speed of precomputation and frames.
+    #[serde(flatten)]
+    pub speed: Speed,
+    /// Bytes of transport.
+    pub bytes: usize,
+    /// Bytes of the file.
+    pub file_bytes: usize,
+}
+
 /// Chunks of each part that precomputation is timed on.
 const TIMED: usize = 12;
 

@@ -2,8 +2,8 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let bytes = brdf_io::MappedFile::from(data.to_vec());
-    if let Ok(images) = brdf_io::BtfImages::in_archive("btf.zip".as_ref(), bytes) {
-        let _ = images.load(1 << 20, &|_| ());
+    let bytes = brdf_files::MappedFile::from(data.to_vec());
+    if let Ok(images) = btf_io::BtfImages::in_archive("btf.zip".as_ref(), bytes) {
+        let _ = images.load(1 << 20, &brdf_job::Job::new());
     }
 });

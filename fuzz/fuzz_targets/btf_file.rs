@@ -4,8 +4,8 @@
 use btf_vq::BtfSource as _;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let bytes = brdf_io::MappedFile::from(data.to_vec());
-    let Ok(file) = brdf_io::BtfFile::new(bytes) else { return };
+    let bytes = brdf_files::MappedFile::from(data.to_vec());
+    let Ok(file) = btf_io::BtfFile::new(bytes) else { return };
     let texels = file.layout().texel_count().min(3);
     let values = 3 * texels * file.layout().image_count();
     // A short file may claim many images of few components.

@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = brdf_io::read_btf_image(data);
+    let _ = btf_io::read_btf_image(data);
 });

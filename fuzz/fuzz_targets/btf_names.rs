@@ -3,6 +3,6 @@
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     if let Ok(name) = std::str::from_utf8(data) {
-        let _ = brdf_io::parse_image_name(name);
+        let _ = btf_io::parse_image_name(name);
     }
 });

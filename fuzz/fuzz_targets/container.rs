@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = brdf_io::read_container(data, brdf_model::MerlLookup::Nearest);
+    let _ = brdf_container::read_container(data, brdf_model::MerlLookup::Nearest);
 });

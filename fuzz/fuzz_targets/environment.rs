@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = brdf_io::parse_environment(data);
+    let _ = brdf_render::Environment::from_hdr(data);
 });

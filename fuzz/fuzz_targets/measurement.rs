@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = brdf_io::parse_measurement(data, &brdf_io::ReadOptions::default());
+    let _ = brdf_io::read(data, &brdf_io::ReadOptions::default());
 });

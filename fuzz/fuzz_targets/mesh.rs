@@ -2,5 +2,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = brdf_io::parse_mesh(data);
+    let _ = brdf_mesh::parse_mesh(data);
 });

@@ -2,6 +2,6 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = brdf_io::parse_painted(data);
-    let _ = brdf_io::parse_basis(data);
+    let _ = brdf_container::read_painted(data);
+    let _ = brdf_container::read_basis(data);
 });

@@ -3,6 +3,6 @@
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     if let Ok(text) = std::str::from_utf8(data) {
-        let _ = brdf_io::read_projections(text);
+        let _ = brdf_container::read_projections(text);
     }
 });

@@ -2,6 +2,6 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = brdf_io::parse_relight(data);
-    let _ = brdf_io::chunk_from_bytes(data);
+    let _ = brdf_container::read_relight(data);
+    let _ = brdf_container::read_piece(data);
 });

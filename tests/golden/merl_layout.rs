@@ -3,7 +3,8 @@
 //! Origin: f_r = mean of eval(a, b) and eval(b, a) at the cell centres, stored as f32-rounded
 //! doubles, −1 beyond 85°.
 
-use brdf_io::{Measured, ReadOptions, merl_to_bytes, open_measurement, read_merl};
+use brdf_files::MappedFile;
+use brdf_io::{Measured, ReadOptions, read, read_merl, write_merl};
 use brdf_model::{Brdf, MerlLookup, MerlTable};
 use brdf_tests::data_file;
 
@@ -17,8 +18,8 @@ fn cells_hold_the_material_at_their_centres() {
             return;
         };
         let options = ReadOptions { merl_lookup: MerlLookup::Nearest, ..ReadOptions::default() };
-        let table = open_measurement(&table, &options).unwrap();
-        let material = open_measurement(&material, &options).unwrap();
+        let table = read(&MappedFile::open(&table).unwrap(), &options).unwrap();
+        let material = read(&MappedFile::open(&material).unwrap(), &options).unwrap();
         let Measured::Merl(cells) = &table.measured else { panic!("a MERL table") };
         assert_eq!(cells.invalid_cells(), 457_656, "invalid cells of {name}");
         let (mut errors, mut count) = (0_u32, 0_u32);
@@ -45,6 +46,6 @@ fn writing_and_reading_a_table_changes_no_bit() {
     let Some(path) = data_file("merl_layout_derived/aurora_white.binary") else { return };
     let bytes = std::fs::read(path).unwrap();
     let table = read_merl(&bytes, MerlLookup::Nearest).unwrap();
-    let again = read_merl(&merl_to_bytes(&table), MerlLookup::Nearest).unwrap();
+    let again = read_merl(&write_merl(&table), MerlLookup::Nearest).unwrap();
     assert_eq!(table, again);
 }

@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use brdf_io::{ReadOptions, open_measurement};
+use brdf_files::MappedFile;
+use brdf_io::{ReadOptions, read};
 use brdf_param::DirectionPair;
 use brdf_tests::data_file;
 
@@ -24,7 +25,7 @@ fn evaluation_matches_the_reference_evaluator() {
         ) else {
             return;
         };
-        let measurement = open_measurement(&material, &ReadOptions::default()).unwrap();
+        let measurement = read(&MappedFile::open(&material).unwrap(), &ReadOptions::default()).unwrap();
         let brdf = measurement.measured.brdf();
         let mut worst = 0.0_f64;
         for line in fs::read_to_string(golden).unwrap().lines().skip(1) {

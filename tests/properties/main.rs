@@ -6,11 +6,4 @@
     reason = "a test that cannot go on has failed"
 )]
 
-mod factors;
-mod metrics;
-mod models;
-mod painting;
-mod readers;
-mod relighting;
-mod search;
-mod separable;
+mod meshes;

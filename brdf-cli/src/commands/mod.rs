@@ -8,6 +8,7 @@ mod eval;
 mod factor;
 mod info;
 mod plot;
+mod relight;
 mod render;
 mod sample;
 mod study;
@@ -43,6 +44,8 @@ enum Command {
     Sample(sample::Sample),
     #[command(subcommand)]
     Btf(btf::Btf),
+    #[command(subcommand)]
+    Relight(relight::Relight),
     Convert(convert::Convert),
     Completions(completions::Completions),
 }
@@ -59,6 +62,7 @@ impl Cli {
             Command::Eval(command) => command.run(out),
             Command::Sample(command) => command.run(out),
             Command::Btf(command) => command.run(out),
+            Command::Relight(command) => command.run(out),
             Command::Convert(command) => command.run(out),
             Command::Completions(command) => command.run(out),
         }

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
+use brdf_container::MaterialFile;
 use brdf_io::ReadOptions;
 use brdf_relight::{CompareParams, Occluder, compare};
+use brdf_report::significant;
 
 use super::loading::{LightArgs, Loaded, mesh_of};
-use crate::numbers::significant;
-use crate::progress::Progress;
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Say what relighting loses, against brute force
 ///
@@ -44,7 +44,7 @@ impl Compare {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
-        let subject = Subject::open(&self.brdf, &ReadOptions::default())?;
+        let subject = MaterialFile::open(&self.brdf, &ReadOptions::default())?;
         if subject.short_name() != file.record.brdf {
             writeln!(
                 std::io::stderr(),
@@ -62,10 +62,11 @@ impl Compare {
             rule: self.light.rule(),
         };
         let part = file.parts.first().context("no parts")?;
-        let progress = Progress::new(1);
-        progress.step("brute force");
-        let split = compare(part, &Occluder::of(&mesh), subject.brdf(), &light, &params);
-        drop(progress);
+        let watch = Watch::start();
+        let occluder = Occluder::of(&mesh);
+        let split =
+            watch.run(|job| compare(part, &occluder, subject.brdf(), &light, &params, job))?;
+        drop(watch);
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&split)?)?;
             return Ok(ExitCode::SUCCESS);

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use brdf_io::{MappedFile, RelightFile, parse_relight, read_environment};
-use brdf_mesh::{Camera, Mesh, Soup};
-use brdf_relight::{CubeLight, CubeLightSampler, LightRule, LitCoefficients, RenderParams};
+use brdf_container::{RelightFile, read_relight};
+use brdf_files::MappedFile;
+use brdf_mesh::Mesh;
+use brdf_relight::{CubeLight, CubeLightSampler, LightRule, LitCoefficients, Orbit};
 use brdf_render::Environment;
 use clap::ValueEnum;
-use glam::DVec3;
+
+use crate::args::environment;
 
 /// A file of transport.
 pub(super) struct Loaded {
@@ -22,7 +24,7 @@ impl Loaded {
     }
 
     pub(super) fn parse(&self) -> anyhow::Result<RelightFile<'_>> {
-        parse_relight(&self.bytes).with_context(|| self.path.display().to_string())
+        read_relight(&self.bytes).with_context(|| self.path.display().to_string())
     }
 
     pub(super) fn len(&self) -> usize {
@@ -32,14 +34,7 @@ impl Loaded {
 
 /// The object of a file, for rays.
 pub(super) fn mesh_of(file: &RelightFile<'_>) -> anyhow::Result<Mesh> {
-    let surface = &file.parts.first().context("no parts")?.surface;
-    let soup = Soup {
-        positions: surface.positions.clone(),
-        normals: Some(surface.normals.clone()),
-        triangles: surface.triangles.clone(),
-        ..Soup::default()
-    };
-    Ok(Mesh::new(soup)?.0)
+    Ok(file.parts.first().context("no parts")?.mesh()?)
 }
 
 /// What lights the object.
@@ -74,7 +69,7 @@ impl LightArgs {
         Ok(match self.env.to_str() {
             Some("light:sky") => Environment::sky()?,
             Some("light:studio") => Environment::studio()?,
-            _ => read_environment(&self.env)?,
+            _ => environment(&self.env)?,
         })
     }
 
@@ -146,19 +141,15 @@ fn view(text: &str) -> Result<[f64; 3], String> {
 }
 
 impl ShotArgs {
-    /// The view turned by `more` degrees.
-    pub(super) fn shot(&self, mesh: &Mesh, more: f64) -> RenderParams {
+    /// Where the camera goes around the object.
+    pub(super) fn orbit(&self) -> Orbit {
         let [azimuth, elevation, radii] = self.view;
-        let ((sin, cos), up) = ((azimuth + more).to_radians().sin_cos(), elevation.to_radians());
-        let from = DVec3::new(up.cos() * sin, up.sin(), up.cos() * cos);
-        let whole = Camera::around(mesh.centre(), mesh.radius(), from);
-        let eye = mesh.centre() + radii * mesh.radius() * from;
-        let camera =
-            Camera::looking_at(eye, mesh.centre(), whole.up(), whole.fov()).unwrap_or(whole);
-        RenderParams { camera, size: self.size as usize, points: self.points as usize }
-    }
-
-    pub(super) fn with_points(&self, points: u32) -> Self {
-        Self { points, ..self.clone() }
+        Orbit {
+            azimuth: azimuth.to_radians(),
+            elevation: elevation.to_radians(),
+            radii,
+            size: self.size as usize,
+            points: self.points as usize,
+        }
     }
 }

@@ -6,24 +6,20 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::Context as _;
-use brdf_io::{
-    ChunkLog, ReadOptions, RelightRecord, check_overwrite, chunk_from_bytes, chunk_to_bytes,
-    relight_to_bytes, write_atomically,
-};
+use brdf_container::{MaterialFile, read_piece, write_piece, write_relight};
+use brdf_files::{ChunkLog, check_overwrite, write_atomically};
+use brdf_io::ReadOptions;
 use brdf_relight::{
-    BrdfMaps, Chunk, Codec, LightMaps, MapParams, Occluder, Part, Precomputation, PrecomputeParams,
-    Quality, RelightError, Surface, Transport, factor_for_relighting,
+    Codec, LightMaps, MapParams, ObjectParams, ObjectPrecomputation, PrecomputeParams, Quality,
+    RelightRecord, Transport,
 };
+use brdf_report::bytes as shown_bytes;
 use clap::ValueEnum;
-use rayon::prelude::*;
 use serde_json::json;
-use sha2::{Digest, Sha256};
 
 use crate::args::{ForceArgs, not_negative, usage};
 use crate::meshes::open_mesh;
-use crate::numbers::bytes as shown_bytes;
-use crate::progress::Progress;
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Find how an object answers light from everywhere
 ///
@@ -129,58 +125,36 @@ fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What the ground reflects.
-const GROUND_ALBEDO: f32 = 0.35;
-/// Chunks that are made at a time, and kept if a run is interrupted.
-const AT_A_TIME: usize = 8;
-
 impl Precompute {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
         check_overwrite(&self.output, self.force.overwrite())?;
         let mesh = open_mesh(&self.mesh, None)?;
-        let subject = Subject::open(&self.brdf, &ReadOptions::default())?;
-        let (map_params, params) = (self.map_params(), self.params()?);
-        let fit = factor_for_relighting(subject.brdf(), &map_params)?;
-        let maps = BrdfMaps::of(&fit.model)?;
-        let mut work = vec![Precomputation::new(&mesh, Surface::of(&mesh), maps, params)];
-        if self.ground {
-            let (surface, maps) = (Surface::ground(&mesh), BrdfMaps::diffuse(GROUND_ALBEDO));
-            work.push(Precomputation::new(&mesh, surface, maps, of_ground(params)));
-        }
-        let vertices = work.iter().map(|part| part.surface().positions.len()).sum::<usize>();
-        let mut jobs = Jobs::new(&work);
-        let log_path = beside(&self.output);
-        let (mut log, resumed) = self.log(&log_path, &key(&work, &params), &mut jobs)?;
-        let progress = Progress::new((vertices - resumed) as u64);
-        progress.step("light at vertices");
-        let occluder = Occluder::of(&mesh);
-        let open = jobs.open();
-        for some in open.chunks(AT_A_TIME) {
-            let made = some.par_iter().map(|at| {
-                let (part, chunk) = jobs.of[*at];
-                let made = work[part].make(&occluder, chunk);
-                progress.done(work[part].chunks()[chunk].len() as u64);
-                made
-            });
-            let made: Vec<Chunk> = made.collect::<Result<_, RelightError>>()?;
-            for (at, chunk) in some.iter().zip(made) {
-                log.append(&logged(*at, &chunk))?;
-                jobs.made[*at] = Some(chunk);
-            }
-        }
-        progress.step("ordering");
-        let parts = jobs.assemble(work)?;
+        let material = MaterialFile::open(&self.brdf, &ReadOptions::default())?;
+        let (maps, precompute) = (self.map_params(), self.params()?);
+        let params = ObjectParams { maps, precompute, has_ground: self.ground };
+        let watch = Watch::start();
+        let mut work =
+            watch.run(|job| ObjectPrecomputation::new(&mesh, material.brdf(), params, job))?;
+        let vertices = work.vertices();
+        let (mut log, resumed) = self.log(&beside(&self.output), &mut work)?;
+        watch.run(|job| {
+            work.run(job, &mut |piece, chunk| -> anyhow::Result<()> {
+                Ok(log.append(&write_piece(piece, chunk))?)
+            })
+        })?;
+        watch.step("ordering");
+        let parts = work.finish()?;
         let record = RelightRecord {
             mesh: file_name(&self.mesh),
-            brdf: subject.short_name(),
-            maps: map_params,
-            precompute: params,
+            brdf: material.short_name(),
+            maps,
+            precompute,
         };
-        let bytes = relight_to_bytes(&parts, &record)?;
+        let bytes = write_relight(&parts, &record)?;
         write_atomically(&self.output, &bytes, self.force.overwrite())?;
         log.remove()?;
-        drop(progress);
+        drop(watch);
         let transport: usize = parts.iter().map(|part| part.transport.bytes()).sum();
         let entries: usize = parts.iter().map(|part| part.transport.entries()).sum();
         let components: usize = parts
@@ -257,10 +231,10 @@ impl Precompute {
     fn log(
         &self,
         path: &Path,
-        key: &[u8; 32],
-        jobs: &mut Jobs,
+        work: &mut ObjectPrecomputation,
     ) -> anyhow::Result<(ChunkLog, usize)> {
         let shown = path.display();
+        let key = &work.key();
         let was_interrupted = path.exists();
         if !self.resume {
             if was_interrupted {
@@ -278,71 +252,11 @@ impl Precompute {
         }
         let mut resumed = 0;
         for bytes in &chunks {
-            resumed += jobs.read(bytes).with_context(|| shown.to_string())?;
+            let (piece, chunk) = read_piece(bytes).with_context(|| shown.to_string())?;
+            resumed += work.take(piece, chunk).with_context(|| shown.to_string())?;
         }
         Ok((log, resumed))
     }
-}
-
-/// Chunks of all parts.
-struct Jobs {
-    /// Part and chunk.
-    of: Vec<(usize, usize)>,
-    /// Vertices of each.
-    vertices: Vec<usize>,
-    made: Vec<Option<Chunk>>,
-}
-
-impl Jobs {
-    fn new(work: &[Precomputation]) -> Self {
-        let chunks = |(part, work): (usize, &Precomputation)| {
-            (0..work.chunks().len()).map(move |chunk| (part, chunk)).collect::<Vec<_>>()
-        };
-        let of: Vec<(usize, usize)> = work.iter().enumerate().flat_map(chunks).collect();
-        let vertices = of.iter().map(|(part, chunk)| work[*part].chunks()[*chunk].len()).collect();
-        Self { made: vec![None; of.len()], of, vertices }
-    }
-
-    /// Jobs that are left, those of a kind far apart: what is done stands for what is left to do.
-    fn open(&self) -> Vec<usize> {
-        let mut open: Vec<usize> =
-            (0..self.of.len()).filter(|at| self.made[*at].is_none()).collect();
-        // Multiples of the golden section spread evenly.
-        open.sort_by_key(|at| (*at as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        open
-    }
-
-    /// Takes what [`logged`] wrote; the number of vertices.
-    fn read(&mut self, bytes: &[u8]) -> anyhow::Result<usize> {
-        let (at, chunk) = bytes.split_first_chunk().context("a chunk without a number")?;
-        let at = usize::try_from(u64::from_le_bytes(*at))?;
-        let place = self.made.get_mut(at).context("a chunk beyond the last")?;
-        *place = Some(chunk_from_bytes(chunk)?);
-        Ok(self.vertices[at])
-    }
-
-    fn assemble(self, work: Vec<Precomputation>) -> anyhow::Result<Vec<Part<'static>>> {
-        let mut made = self.made.into_iter();
-        let parts = work.into_iter().map(|part| {
-            let own: Option<Vec<Chunk>> = made.by_ref().take(part.chunks().len()).collect();
-            Ok(part.assemble(&own.context("a chunk was not made")?))
-        });
-        parts.collect()
-    }
-}
-
-/// A chunk with its number, for the log.
-fn logged(job: usize, chunk: &Chunk) -> Vec<u8> {
-    [&(job as u64).to_le_bytes()[..], &chunk_to_bytes(chunk)].concat()
-}
-
-/// Ground is smooth, so that errors show there first, and small.
-pub(super) fn of_ground(params: PrecomputeParams) -> PrecomputeParams {
-    let codec = match params.codec {
-        Codec::Clusters { tolerance } => Codec::Clusters { tolerance: 0.2 * tolerance },
-        wavelet @ Codec::Wavelet { .. } => wavelet,
-    };
-    PrecomputeParams { codec, ..params }
 }
 
 /// Where the chunks of a run are kept until its end.
@@ -355,22 +269,4 @@ fn beside(output: &Path) -> PathBuf {
 fn file_name(path: &Path) -> String {
     path.file_name()
         .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned())
-}
-
-/// A hash of all that chunks depend on.
-fn key(work: &[Precomputation], params: &PrecomputeParams) -> [u8; 32] {
-    let mut hash = Sha256::new();
-    for part in work {
-        let (surface, maps) = (part.surface(), part.maps());
-        for vector in surface.positions.iter().chain(&surface.normals) {
-            vector.to_array().iter().for_each(|v| hash.update(v.to_le_bytes()));
-        }
-        surface.triangles.as_flattened().iter().for_each(|at| hash.update(at.to_le_bytes()));
-        for map in [&maps.light, &maps.view] {
-            map.texels().iter().for_each(|v| hash.update(v.to_le_bytes()));
-        }
-        hash.update((maps.terms as u64).to_le_bytes());
-    }
-    hash.update(format!("{params:?}"));
-    hash.finalize().into()
 }

@@ -4,13 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use brdf_image::ToneMap;
-use brdf_io::write_atomically;
+use brdf_files::write_atomically;
+use brdf_image::{ToneMap, encode_png};
 use brdf_relight::{RelitScene, render};
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
 use crate::args::{ForceArgs, positive, usage};
-use crate::pictures::png;
+use crate::progress::Watch;
 
 /// Show a precomputed object under an environment
 ///
@@ -44,18 +44,21 @@ impl Render {
             let name = self.output.display();
             return Err(usage(format!("{name}: expected a name that ends in .png")));
         }
+        let watch = Watch::start();
+        watch.step("relighting");
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let mesh = mesh_of(&file)?;
         let lit = self.light.coefficients(&self.light.light()?);
         let mut relit = RelitScene::default();
         relit.relight(&file.parts, &lit);
-        let shot = self.shot.shot(&mesh, 0.0);
+        let shot = self.shot.orbit().render_params(&mesh, 0.0);
         let (film, negative) = render(&file.parts, &relit, &shot);
         let tone = self
             .exposure
             .map_or_else(|| ToneMap::exposed_for(&film), |exposure| ToneMap { exposure });
-        write_atomically(&self.output, &png(&tone.apply(&film))?, self.force.overwrite())?;
+        write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
+        drop(watch);
         let mut err = std::io::stderr();
         if negative > 0 {
             let points = (shot.size * shot.points).pow(2);

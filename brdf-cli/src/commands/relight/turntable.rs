@@ -4,16 +4,15 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use brdf_image::ToneMap;
-use brdf_io::OutputFolder;
+use brdf_files::OutputFolder;
+use brdf_image::{ToneMap, encode_png};
 use brdf_relight::{CubeLightSampler, RelitScene, render};
 use clap::ValueEnum;
 use serde_json::json;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
 use crate::args::positive;
-use crate::pictures::png;
-use crate::progress::Progress;
+use crate::progress::Watch;
 
 /// Show a precomputed object from all sides, or under light from all sides
 ///
@@ -67,11 +66,12 @@ impl Turntable {
         let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);
         let sampler = CubeLightSampler::default();
         let mut folder = OutputFolder::new(&self.output, self.force)?;
-        let progress = Progress::new(self.frames.into());
-        progress.step("frames");
+        let watch = Watch::start();
+        let orbit = self.shot.orbit();
         let (mut relit, mut tone) =
             (RelitScene::default(), self.exposure.map(|exposure| ToneMap { exposure }));
         for frame in 0..self.frames {
+            watch.step(format!("frame {} of {}", frame + 1, self.frames));
             let angle = 360.0 * f64::from(frame) / f64::from(self.frames);
             let [view, light] = match self.turn {
                 TurnArg::View => [angle, 0.0],
@@ -81,10 +81,11 @@ impl Turntable {
                 let light = sampler.light(&environment, self.light.rotation(light));
                 relit.relight(&file.parts, &self.light.coefficients(&light));
             }
-            let (film, _) = render(&file.parts, &relit, &self.shot.shot(&mesh, view));
+            let (film, _) =
+                render(&file.parts, &relit, &orbit.render_params(&mesh, view.to_radians()));
             let tone = *tone.get_or_insert_with(|| ToneMap::exposed_for(&film));
-            folder.write(&format!("frame-{:03}.png", frame + 1), &png(&tone.apply(&film))?)?;
-            progress.done(1);
+            folder
+                .write(&format!("frame-{:03}.png", frame + 1), &encode_png(&tone.apply(&film))?)?;
         }
         let report = json!({
             "brdf": env!("CARGO_PKG_VERSION"), "object": self.object, "frames": self.frames,
@@ -92,7 +93,7 @@ impl Turntable {
         });
         folder.write("report.json", (serde_json::to_string_pretty(&report)? + "\n").as_bytes())?;
         folder.finish()?;
-        drop(progress);
+        drop(watch);
         writeln!(std::io::stderr(), "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
     }

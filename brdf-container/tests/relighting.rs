@@ -1,11 +1,17 @@
 //! Transport as a file: any bytes give a value or an error, never a panic, and what is read can be used; what is
 //! written comes back.
 
-use brdf_io::{RelightRecord, chunk_from_bytes, chunk_to_bytes, parse_relight, relight_to_bytes};
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
+use brdf_container::{read_piece, read_relight, write_piece, write_relight};
 use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_relight::{
     BrdfMaps, Chunk, Codec, CubeLight, LightMaps, LightRule, MapParams, Occluder, Part,
-    Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface, render,
+    Precomputation, PrecomputeParams, Quality, RelightRecord, RelitScene, RenderParams, Surface, render,
 };
 use glam::DVec3;
 
@@ -36,7 +42,7 @@ fn transport(codec: Codec) -> (Vec<Part<'static>>, Vec<Chunk>, RelightRecord) {
 }
 
 fn use_transport(bytes: &[u8]) -> bool {
-    let Ok(file) = parse_relight(bytes) else { return false };
+    let Ok(file) = read_relight(bytes) else { return false };
     let mut relit = RelitScene::default();
     relit.relight(&file.parts, &CubeLight::uniform([1.0; 3]).coefficients(LightRule::All));
     let camera = Camera::around(DVec3::ZERO, 2.0, DVec3::new(0.6, 0.0, 0.8));
@@ -48,15 +54,15 @@ fn use_transport(bytes: &[u8]) -> bool {
 fn what_is_written_comes_back() {
     for codec in CODECS {
         let (parts, chunks, record) = transport(codec);
-        let bytes = relight_to_bytes(&parts, &record).unwrap();
-        let file = parse_relight(&bytes).unwrap();
+        let bytes = write_relight(&parts, &record).unwrap();
+        let file = read_relight(&bytes).unwrap();
         assert_eq!(file.record, record);
         assert_eq!(file.parts[0].transport, parts[0].transport);
         assert_eq!(file.parts[0].maps, parts[0].maps);
         assert_eq!(file.parts[0].surface.triangles, parts[0].surface.triangles);
-        assert_eq!(relight_to_bytes(&file.parts, &file.record).unwrap(), bytes);
-        for chunk in chunks {
-            assert_eq!(chunk_from_bytes(&chunk_to_bytes(&chunk)).unwrap(), chunk);
+        assert_eq!(write_relight(&file.parts, &file.record).unwrap(), bytes);
+        for (number, chunk) in chunks.into_iter().enumerate() {
+            assert_eq!(read_piece(&write_piece(number, &chunk)).unwrap(), (number, chunk));
         }
     }
 }
@@ -65,7 +71,7 @@ fn what_is_written_comes_back() {
 fn damaged_files_are_refused_or_usable() {
     for codec in CODECS {
         let (parts, chunks, record) = transport(codec);
-        let bytes = relight_to_bytes(&parts, &record).unwrap();
+        let bytes = write_relight(&parts, &record).unwrap();
         assert!(use_transport(&bytes), "whole");
         // Offsets make most of the file: its head is damaged everywhere, the rest here and there.
         let places = (0..3000).chain((3000..bytes.len()).step_by(97));
@@ -79,9 +85,9 @@ fn damaged_files_are_refused_or_usable() {
         for length in (0..bytes.len()).step_by(211) {
             assert!(!use_transport(&bytes[..length]), "cut to {length}");
         }
-        let chunk = chunk_to_bytes(&chunks[0]);
+        let chunk = write_piece(0, &chunks[0]);
         for length in 0..chunk.len() {
-            let _ = chunk_from_bytes(&chunk[..length]);
+            let _ = read_piece(&chunk[..length]);
         }
     }
 }

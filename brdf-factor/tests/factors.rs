@@ -1,6 +1,15 @@
 //! The homomorphic factorization: solvers agree, planted factors come back, reciprocity holds, and
 //! the same input gives the same bits.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
+mod support;
+
+use crate::support::{cases, pair};
 use brdf_factor::{
     Coordinate, FactorParams, FactorSpec, FactoredBrdf, LogTransform, Solver, TermSolve, Weight,
     factorize, factorize_terms,
@@ -9,7 +18,6 @@ use brdf_model::{
     Brdf, Channels, DirectionBatch, PairSampling, Preset, RgbBatch, SampleSet, log_offsets, measure,
 };
 use brdf_param::{DirectionPair, Projection, Space};
-use brdf_tests::pair;
 use proptest::prelude::*;
 
 fn sampling(count: u32) -> PairSampling {
@@ -169,7 +177,7 @@ fn models() -> Vec<(String, FactoredBrdf)> {
 }
 
 proptest! {
-    #![proptest_config(brdf_tests::cases(64))]
+    #![proptest_config(cases(64))]
 
     /// The batch form is the single form in f32, for every kind of coordinate and log map, below
     /// the horizon and beyond the grazing limit too.
@@ -183,7 +191,7 @@ proptest! {
             model.eval_batch(batch.as_slices(), &mut out);
             for (index, pair) in pairs.iter().enumerate() {
                 // Single evaluation of what f32 left of the directions.
-                let single = model.eval(&batch.get(index));
+                let single = model.eval(&batch.as_slices().get(index));
                 let difference = (single - out.get(index)).map(f64::abs).max_channel();
                 let allowed = 2e-3 * single.max_channel() + 1e-5;
                 // Half vectors of nearly opposite directions are noise in f32.

@@ -1,106 +1,44 @@
 //! Readers: any bytes give a value or an error, never a panic; what is written can be read.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
 use std::fs;
 use std::io::Write as _;
+use std::path::PathBuf;
 
-use brdf_factor::{FactorParams, FactorSpec, factorize};
 use brdf_io::{
-    FitRecord, FitSettings, Format, Measured, ModelFile, RankRecord, ReadOptions, SeparableFile,
-    SeparableRecord, SeparableSettings, TermRecord, detect, direction_rows, merl_to_bytes,
-    model_to_bytes, nbrdf_names, parse_measurement, read_projections, samples_to_bytes,
-    samples_to_csv, separable_to_bytes, table_to_bytes,
+    Format, Measured, ReadOptions, detect, direction_rows, nbrdf_names, read, write_merl,
+    write_samples,
 };
-use brdf_model::{
-    Brdf, Channels, MerlTable, Nbrdf, PairSampling, Preset, RglBrdf, SampleSet, log_offsets,
-    measure,
-};
-use brdf_param::{HemisphereMap, Parametrization};
-use brdf_separable::{
-    BrdfMatrix, Decomposition, EigenSolver, Fill, HemisphereGrid, Layout, MatrixParams,
-    SeparableParams, factorize as decompose,
-};
-use brdf_tests::data_file;
+use brdf_model::{Brdf, Channels, MerlTable, Nbrdf, PairSampling, Preset, RglBrdf, SampleSet};
 use proptest::prelude::*;
 
 const THETA_MAX: f64 = 1.396;
 
+/// The folder of measured data: `BRDF_DATA`, or `../shared/data` beside the project.
+///
+/// `None`, with a printed reason, where a file in it is missing: tests then skip.
+#[expect(clippy::print_stderr, reason = "a skipped test says why")]
+fn data_file(relative: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("BRDF_DATA").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
+        PathBuf::from,
+    );
+    let path = folder.join(relative);
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("skipped: {relative} is not in the data folder; set BRDF_DATA to where it is");
+    None
+}
+
 fn samples() -> SampleSet {
     let sampling = PairSampling { count: 300, seed: 1, theta_max: THETA_MAX };
     SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Rgb)
-}
-
-fn model_file() -> ModelFile {
-    let samples = samples();
-    let params = FactorParams { texture_size: 4, ..FactorParams::default() };
-    let fit = factorize(&samples, &FactorSpec::mccool(true), &params).unwrap();
-    let training = measure(&samples, &fit.model, &log_offsets(&samples));
-    let one = factorize(&samples, &FactorSpec::mccool(true)[..1], &params).unwrap();
-    ModelFile {
-        smaller: vec![one.model],
-        fit: FitRecord {
-            method: "mccool".to_owned(),
-            input: "preset".to_owned(),
-            space: "standard".to_owned(),
-            settings: FitSettings {
-                params,
-                reciprocal: true,
-                samples: 300,
-                seed: 1,
-                replicate: 1,
-                search: None,
-            },
-            terms: vec![TermRecord {
-                textures: 2,
-                projections: Vec::new(),
-                training,
-                held_out: None,
-            }],
-            samples_used: fit.samples_used,
-            dropped: fit.dropped,
-        },
-        model: fit.model,
-    }
-}
-
-/// Sums of products: textures on both sides, scalar ones on the first, and shared ones with signs.
-fn separable_files() -> Vec<SeparableFile> {
-    let chart = HemisphereGrid::Plane { map: HemisphereMap::OrthographicDisc, resolution: 4 };
-    let layout = Layout::new(Parametrization::Standard, chart, chart);
-    let brdf = Preset::find("red-plastic").unwrap().brdf();
-    let matrix = BrdfMatrix::sample(&brdf, &layout, &MatrixParams::default()).unwrap();
-    let eigen = Decomposition::Eigen(EigenSolver::Krylov);
-    [(Decomposition::Svd, false), (Decomposition::Svd, true), (eigen, false)]
-        .into_iter()
-        .map(|(decomposition, joint_rgb)| {
-            let params = SeparableParams { decomposition, joint_rgb, rank: 2, tolerance: 1e-5 };
-            let fit = decompose(&matrix, &params).unwrap();
-            SeparableFile {
-                model: fit.model,
-                fit: SeparableRecord {
-                    method: "svd".to_owned(),
-                    input: "preset".to_owned(),
-                    settings: SeparableSettings {
-                        decomposition,
-                        rank: 2,
-                        joint_rgb,
-                        theta_max: 1.5,
-                        fill: Fill::Edge,
-                        weight_power: 0.0,
-                        held_out_theta_max: THETA_MAX,
-                        seed: 1,
-                    },
-                    cells: matrix.counts(),
-                    asymmetry: matrix.asymmetry(),
-                    spectra: fit.spectra,
-                    terms: fit
-                        .errors
-                        .into_iter()
-                        .map(|matrix| RankRecord { matrix, held_out: None })
-                        .collect(),
-                },
-            }
-        })
-        .collect()
 }
 
 /// An archive of two neural BRDFs, or of one, as NumPy writes them.
@@ -124,14 +62,14 @@ fn archive(names: &[&str]) -> Vec<u8> {
 fn materials_of_an_archive_are_taken_by_name() {
     let bytes = archive(&["felt", "brass"]);
     assert_eq!(nbrdf_names(&bytes).unwrap(), ["brass", "felt"]);
-    let read = |material: Option<&str>| {
+    let take = |material: Option<&str>| {
         let options =
             ReadOptions { material: material.map(str::to_owned), ..ReadOptions::default() };
-        parse_measurement(&bytes, &options)
+        read(&bytes, &options)
     };
-    assert!(matches!(read(Some("felt")).unwrap().measured, Measured::Nbrdf(_)));
+    assert!(matches!(take(Some("felt")).unwrap().measured, Measured::Nbrdf(_)));
     for (material, word) in [(None, "several"), (Some("gold"), "\"gold\"")] {
-        let message = read(material).unwrap_err().to_string();
+        let message = take(material).unwrap_err().to_string();
         assert!(message.contains(word) && message.contains("brass, felt"), "{message}");
     }
 }
@@ -182,13 +120,10 @@ fn alta() -> Vec<u8> {
 /// One small valid file for each text or compact format.
 fn valid_files() -> Vec<(Format, Vec<u8>)> {
     vec![
-        (Format::Native, model_to_bytes(&model_file()).unwrap()),
-        (Format::Native, samples_to_bytes(&samples()).unwrap()),
-        (Format::Native, separable_to_bytes(&separable_files()[1]).unwrap()),
         (Format::Nbrdf, archive(&["felt"])),
         (Format::Rgl, tensor_file(&[0.0])),
         (Format::Rgl, tensor_file(&[-3.2, -1.5, 0.0])),
-        (Format::Table, samples_to_csv(&samples()).into_bytes()),
+        (Format::Table, write_samples(&samples()).into_bytes()),
         (Format::Cornell, cornell()),
         (Format::Alta, alta()),
     ]
@@ -198,7 +133,7 @@ fn valid_files() -> Vec<(Format, Vec<u8>)> {
 fn valid_files_are_recognised_by_content_and_read() {
     for (format, bytes) in valid_files() {
         assert_eq!(detect(&bytes).unwrap(), format);
-        parse_measurement(&bytes, &ReadOptions::default()).unwrap();
+        read(&bytes, &ReadOptions::default()).unwrap();
     }
 }
 
@@ -206,7 +141,7 @@ fn valid_files_are_recognised_by_content_and_read() {
 fn every_truncation_is_an_error_or_a_shorter_table() {
     for (format, bytes) in valid_files() {
         for length in 0..bytes.len() {
-            let outcome = parse_measurement(&bytes[..length], &ReadOptions::default());
+            let outcome = read(&bytes[..length], &ReadOptions::default());
             // A text that ends after a whole row is a whole text.
             let may_pass = matches!(format, Format::Table | Format::Cornell | Format::Alta);
             assert!(may_pass || outcome.is_err(), "{format:?} cut at {length} was accepted");
@@ -221,7 +156,7 @@ fn every_flipped_byte_is_read_or_refused() {
             for flip in [0x01, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
                 damaged[at] ^= flip;
-                let _ = parse_measurement(&damaged, &ReadOptions::default());
+                let _ = read(&damaged, &ReadOptions::default());
             }
         }
     }
@@ -233,44 +168,21 @@ fn lying_headers_allocate_nothing() {
     let mut bytes = tensor_file(&[0.0]);
     let at = bytes.windows(3).position(|w| w == b"ndf").unwrap() + 3 + 2 + 1 + 8;
     bytes[at..at + 8].copy_from_slice(&(1_u64 << 60).to_le_bytes());
-    let message = parse_measurement(&bytes, &ReadOptions::default()).unwrap_err().to_string();
+    let message = read(&bytes, &ReadOptions::default()).unwrap_err().to_string();
     assert!(message.contains("ndf") && message.contains("past the end"), "{message}");
 
     // A MERL header over nothing, and over too much.
     let header: Vec<u8> = [90_u32, 90, 180].iter().flat_map(|d| d.to_le_bytes()).collect();
-    let message = parse_measurement(&header, &ReadOptions::default()).unwrap_err().to_string();
+    let message = read(&header, &ReadOptions::default()).unwrap_err().to_string();
     assert!(message.contains("34992012") && message.contains("12 bytes"), "{message}");
 }
 
 #[test]
-fn models_tables_and_samples_survive_storage_bit_by_bit() {
-    let file = model_file();
-    let bytes = model_to_bytes(&file).unwrap();
-    let read = parse_measurement(&bytes, &ReadOptions::default()).unwrap();
-    let Measured::Model(again) = read.measured else { panic!("a model") };
-    assert_eq!(*again, file);
-    assert_eq!(model_to_bytes(&again).unwrap(), bytes);
-
-    for file in separable_files() {
-        let bytes = separable_to_bytes(&file).unwrap();
-        let read = parse_measurement(&bytes, &ReadOptions::default()).unwrap();
-        let Measured::Separable(again) = read.measured else { panic!("a sum of products") };
-        assert_eq!(*again, file);
-        assert_eq!(separable_to_bytes(&again).unwrap(), bytes);
-    }
-
-    let samples = samples();
-    let bytes = samples_to_bytes(&samples).unwrap();
-    let read = parse_measurement(&bytes, &ReadOptions::default()).unwrap();
-    let Measured::Samples(again) = read.measured else { panic!("samples") };
-    assert_eq!(*again.samples(), samples);
-
+fn tables_survive_storage_bit_by_bit() {
     let table = MerlTable::tabulate(&Preset::ALL[1].brdf());
-    for bytes in [table_to_bytes(&table).unwrap(), merl_to_bytes(&table)] {
-        let read = parse_measurement(&bytes, &ReadOptions::default()).unwrap();
-        let Measured::Merl(again) = read.measured else { panic!("a table") };
-        assert_eq!(again, table);
-    }
+    let read = read(&write_merl(&table), &ReadOptions::default()).unwrap();
+    let Measured::Merl(again) = read.measured else { panic!("a table") };
+    assert_eq!(again, table);
 }
 
 #[test]
@@ -279,7 +191,7 @@ fn damaged_measured_files_are_refused_in_one_line() {
     let bytes = fs::read(path).unwrap();
     for length in [0, 5, 17, 100, 1_000, 200_000, bytes.len() - 2_000] {
         let message =
-            parse_measurement(&bytes[..length], &ReadOptions::default()).unwrap_err().to_string();
+            read(&bytes[..length], &ReadOptions::default()).unwrap_err().to_string();
         assert!(
             !message.contains('\n') && message.contains("expected")
                 || message.contains("past the end"),
@@ -292,7 +204,7 @@ fn damaged_measured_files_are_refused_in_one_line() {
 #[test]
 fn half_measured_anisotropy_is_completed_by_symmetry() {
     let bytes = tensor_file(&[-std::f32::consts::PI, -1.5, 0.0]);
-    let read = parse_measurement(&bytes, &ReadOptions::default()).unwrap();
+    let read = read(&bytes, &ReadOptions::default()).unwrap();
     let Measured::Rgl(material) = read.measured else { panic!("an RGL material") };
     let material: RglBrdf = *material;
     assert!(!material.is_isotropic());
@@ -307,17 +219,16 @@ fn half_measured_anisotropy_is_completed_by_symmetry() {
 }
 
 proptest! {
-    #![proptest_config(brdf_tests::cases(2_000))]
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
     fn any_text_is_read_or_refused(text in "[-0-9a-zé#\\., \n\t{}\\[\\]:\"e_]{0,300}") {
-        let _ = parse_measurement(text.as_bytes(), &ReadOptions::default());
+        let _ = read(text.as_bytes(), &ReadOptions::default());
         let _ = direction_rows(&text);
-        let _ = read_projections(&text);
     }
 
     #[test]
     fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = parse_measurement(&bytes, &ReadOptions::default());
+        let _ = read(&bytes, &ReadOptions::default());
     }
 }

@@ -1,14 +1,22 @@
 //! What every reflectance model owes: values that are finite, not negative and reciprocal, zero
 //! below the horizon, and energy that does not exceed what arrives.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
+mod support;
+
+use crate::support::{cases, pair};
 use brdf_model::{Brdf, Preset, Rgb, directional_albedo};
 use brdf_param::DirectionPair;
-use brdf_tests::pair;
 use glam::DVec3;
 use proptest::prelude::*;
 
 proptest! {
-    #![proptest_config(brdf_tests::cases(5_000))]
+    #![proptest_config(cases(5_000))]
 
     #[test]
     fn presets_are_reciprocal_and_not_negative(pair in pair()) {

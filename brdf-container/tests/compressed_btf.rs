@@ -4,9 +4,10 @@
 
 use std::sync::Arc;
 
-use brdf_io::{BtfRecord, MappedFile, btf_model_to_bytes, parse_btf_model};
+use brdf_container::{read_btf, write_btf};
+use brdf_files::MappedFile;
 use btf_vq::{
-    AngularGrid, BtfModel, Chroma, Codebooks, Encoding, IndexCodebook, Material, ScaleBits,
+    AngularGrid, BtfModel, BtfRecord, Chroma, Codebooks, CompressedTexture, Encoding, IndexCodebook, Mode, ScaleBits,
     TextureInfo, VqModel,
 };
 
@@ -34,21 +35,21 @@ fn model() -> BtfModel {
         cosine_included: true,
         levels: 1,
     };
-    let mut materials = [Material { info, levels: vec![texture] }];
+    let mut materials = [CompressedTexture { info, levels: vec![texture] }];
     books.normalize(&mut materials);
     BtfModel::Vq(VqModel::pack(&books, &materials, ScaleBits::refined(Encoding::Srgb)).unwrap())
 }
 
 fn written() -> Vec<u8> {
     let made =
-        BtfRecord { mode: "refined".to_owned(), measure: None, epsilon: None, raw_bytes: 1000 };
-    btf_model_to_bytes(&model(), &made).unwrap()
+        BtfRecord { mode: Mode::Refined, measure: None, epsilon: None, raw_bytes: 1000 };
+    write_btf(&model(), &made).unwrap()
 }
 
 #[test]
 fn a_model_comes_back_from_its_bytes() {
     let (model, bytes) = (model(), written());
-    let read = parse_btf_model(Arc::new(MappedFile::from(bytes.clone()))).unwrap();
+    let read = read_btf(Arc::new(MappedFile::from(bytes.clone()))).unwrap();
     assert_eq!(read.bytes, bytes.len());
     assert_eq!(read.model.textures(), model.textures());
     for (at, (name, _)) in model.stream_bytes().iter().enumerate() {
@@ -61,7 +62,7 @@ fn broken_models_are_refused_or_read_within_bounds() {
     let bytes = written();
     let wi = glam::DVec3::new(0.6, 0.0, 0.8);
     let read = |bytes: Vec<u8>| {
-        let Ok(file) = parse_btf_model(Arc::new(MappedFile::from(bytes))) else { return false };
+        let Ok(file) = read_btf(Arc::new(MappedFile::from(bytes))) else { return false };
         for texture in 0..file.model.textures().len() {
             let reader = file.model.reader(texture).unwrap();
             let (width, height) = reader.size(0);

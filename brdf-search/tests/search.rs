@@ -1,17 +1,29 @@
 //! The search: rotations form the group they should, searches find what was planted, results are
 //! reciprocal, never worse for a term more, and the same on any number of threads.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use brdf_factor::{FactorParams, FactorSpec, LogTransform, Problem, factorize, factorize_terms};
+use brdf_job::{Cancel, Job, Progress, StopCause};
 use brdf_model::{Brdf, Channels, PairSampling, Preset, SampleSet, log_offsets, measure};
 use brdf_param::{DirectionPair, Projection, Space};
 use brdf_search::{
-    Control, Family, GreedyParams, JointParams, Objective, PowellParams, Rotation4, SearchError,
+    Family, GreedyParams, JointParams, Objective, PowellParams, Rotation4, SearchError,
     SearchOutcome, minimize_rotation, search_greedy, search_joint,
 };
 use glam::{DMat4, DQuat, DVec4};
 use proptest::prelude::*;
+
+/// This many random cases, however many of them a test passes over.
+fn cases(count: u32) -> ProptestConfig {
+    ProptestConfig { max_global_rejects: u32::MAX, ..ProptestConfig::with_cases(count) }
+}
 
 fn quaternion() -> impl Strategy<Value = DQuat> {
     let anywhere = prop::array::uniform4(-1.0..1.0_f64);
@@ -40,7 +52,7 @@ fn distance(a: &DMat4, b: &DMat4) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(brdf_tests::cases(2_000))]
+    #![proptest_config(cases(2_000))]
 
     #[test]
     fn rotations_are_a_group_of_orthogonal_matrices(a in rotation(), b in rotation(), v in vector()) {
@@ -118,12 +130,12 @@ fn problem(samples: &SampleSet) -> Problem {
 
 fn joint(samples: &SampleSet, family: &Family, terms: usize) -> SearchOutcome {
     let params = JointParams { terms, texture_size: 8, restarts: 6, ..JointParams::default() };
-    search_joint(&problem(samples), family, &params, Control::default()).unwrap()
+    search_joint(&problem(samples), family, &params, &Job::new()).unwrap()
 }
 
 fn greedy(samples: &SampleSet, family: &Family, params: &GreedyParams) -> SearchOutcome {
     let params = GreedyParams { texture_size: 8, restarts: 2, ..params.clone() };
-    search_greedy(&problem(samples), family, &params, Control::default()).unwrap()
+    search_greedy(&problem(samples), family, &params, &Job::new()).unwrap()
 }
 
 fn plane(a: [f64; 4], b: [f64; 4]) -> Projection {
@@ -183,9 +195,9 @@ fn planted_projections_are_found_again() {
         FactorParams { texture_size: 16, smoothing: 1e-6, log_map: LogTransform::Log, ..params() };
     let problem = Problem::new(&product, &fine).unwrap();
     let search = JointParams { terms: 2, restarts: 30, ..JointParams::default() };
-    let found = search_joint(&problem, &family, &search, Control::default()).unwrap();
+    let found = search_joint(&problem, &family, &search, &Job::new()).unwrap();
     let powell = GreedyParams { terms: 2, restarts: 4, ..GreedyParams::default() };
-    let stepwise = search_greedy(&problem, &family, &powell, Control::default()).unwrap();
+    let stepwise = search_greedy(&problem, &family, &powell, &Job::new()).unwrap();
     let mean = problem.targets()[0].iter().sum::<f64>() / 8_000.0;
     let variance = problem.targets()[0].iter().map(|y| (y - mean).powi(2)).sum::<f64>() / 8_000.0;
     let left = |outcome: &SearchOutcome| outcome.terms[1].error / variance;
@@ -296,21 +308,30 @@ fn a_stopped_search_returns_a_model() {
     let family = Family::new(Space::HalfDifference, true);
     let reported = AtomicUsize::new(0);
     for patience in [0, 30] {
-        let asked = AtomicUsize::new(0);
-        let stop = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
-        let report = |progress: &brdf_search::Progress| {
-            assert!(progress.best.is_finite());
-            reported.fetch_add(1, Ordering::Relaxed);
-        };
-        let control = Control { stop: &stop, report: &report };
         let problem = problem(&training);
         let fast = JointParams { restarts: 4, ..JointParams::default() };
         let powell = GreedyParams { restarts: 2, ..GreedyParams::default() };
-        for outcome in [
-            search_joint(&problem, &family, &fast, control).unwrap(),
-            search_greedy(&problem, &family, &powell, control).unwrap(),
-        ] {
-            assert!(outcome.stopped && !outcome.terms.is_empty(), "{outcome:?}");
+        for greedily in [false, true] {
+            let asked = AtomicUsize::new(0);
+            let cancel = Cancel::new();
+            if patience == 0 {
+                cancel.cancel();
+            }
+            let watch = |progress: &Progress<'_>| {
+                assert!((0.0..=1.0).contains(&progress.fraction), "{progress:?}");
+                reported.fetch_add(1, Ordering::Relaxed);
+                if asked.fetch_add(1, Ordering::Relaxed) >= patience {
+                    cancel.cancel();
+                }
+            };
+            let job = Job::watched_by(&watch).with_cancel(&cancel);
+            let outcome = if greedily {
+                search_greedy(&problem, &family, &powell, &job).unwrap()
+            } else {
+                search_joint(&problem, &family, &fast, &job).unwrap()
+            };
+            assert_eq!(outcome.stopped, Some(StopCause::Cancelled), "{outcome:?}");
+            assert!(!outcome.terms.is_empty(), "{outcome:?}");
             let specs = family.specs(&outcome.terms[outcome.terms.len() - 1].projections);
             assert!(factorize_terms(&training, &specs, &params()).is_ok());
         }
@@ -321,11 +342,11 @@ fn a_stopped_search_returns_a_model() {
 #[test]
 fn impossible_options_are_refused_before_any_work() {
     let training = samples("lambert", 200, Channels::Luminance);
-    let never = || -> bool { unreachable!("no work was to be done") };
-    let control = Control { stop: &never, ..Control::default() };
+    let never = |_: &Progress<'_>| unreachable!("no work was to be done");
+    let job = Job::watched_by(&never);
     let reciprocal = Family::new(Space::Standard, true);
     let search = |problem: &Problem, family: &Family, params: &JointParams| {
-        search_joint(problem, family, params, control).unwrap_err()
+        search_joint(problem, family, params, &job).unwrap_err()
     };
     let fit = problem(&training);
     let many = JointParams { terms: 9, ..JointParams::default() };
@@ -343,7 +364,7 @@ fn impossible_options_are_refused_before_any_work() {
     let error = search(&problem, &reciprocal, &JointParams::default());
     assert!(matches!(error, SearchError::Underdetermined { samples: 200, .. }), "{error}");
     let powell = GreedyParams { last: 0, ..GreedyParams::default() };
-    assert!(search_greedy(&fit, &reciprocal, &powell, control).is_err());
+    assert!(search_greedy(&fit, &reciprocal, &powell, &job).is_err());
 }
 
 /// Powell's method on functions that have nothing to do with reflectance.
