@@ -63,7 +63,7 @@ pub use learn::{
     TruthRecord, learn, truth_errors,
 };
 pub use material::{Clamped, Component, PaintedMaterial};
-pub use prepare::{Prepared, PreparedView, prepare};
+pub use prepare::{Prepared, PreparedView, SetupReport, prepare};
 pub use samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
 pub use truth::GroundTruth;
 pub use view::{LightSource, PaintView, face_views, spiral_views, vertex_views};

@@ -2,11 +2,12 @@
 
 use brdf_image::DisplayImage;
 use brdf_job::Job;
-use brdf_mesh::Mesh;
+use brdf_mesh::{Mesh, UvSource};
 use serde::{Deserialize, Serialize};
 
 use crate::buffers::ViewBuffers;
 use crate::error::PaintError;
+use crate::learn::TruthRecord;
 use crate::pictures::guide;
 use crate::samples::PaintedImage;
 use crate::truth::GroundTruth;
@@ -38,6 +39,28 @@ pub struct Prepared {
     pub lit_pixels: usize,
     /// Factor by which the truth's f π was multiplied.
     pub scale: Option<f64>,
+}
+
+/// `report.json` of a scene that is ready to be painted. The first key marks the folder as ours.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SetupReport {
+    /// Version of the program.
+    pub brdf: String,
+    /// The folder.
+    pub scene: String,
+    /// Number of views.
+    pub views: usize,
+    /// Columns and rows of the pictures.
+    pub size: [usize; 2],
+    /// Pixels of the object in all views.
+    pub pixels: usize,
+    /// Pixels of the object that are seen and lit.
+    pub lit_pixels: usize,
+    /// Origin of the texture coordinates.
+    pub uv: UvSource,
+    /// The truth that paintings were rendered with, if there is one.
+    pub truth: Option<TruthRecord>,
 }
 
 /// Prepares views for painting, in pictures of `size` columns and rows, and passes them to `take` one after another.

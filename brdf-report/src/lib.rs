@@ -10,6 +10,7 @@ mod files;
 mod notes;
 mod numbers;
 mod page;
+mod paint;
 mod rates;
 mod separable;
 mod separable_view;
@@ -23,8 +24,9 @@ pub use figures::{
     error_chart, factored_textures_plot, rank_error_plot, separable_textures_plot, spectrum_plot,
 };
 pub use files::ResultFile;
-pub use notes::fit_note;
+pub use notes::{fit_note, paint_note};
 pub use numbers::{bytes, or_dash, percent, significant};
+pub use paint::{PaintedView, paint_files};
 pub use rates::{rate_csv, rate_plot};
 pub use separable::separable_files;
 pub use separable_view::{Side, term_view};

@@ -1,6 +1,7 @@
 //! Notes as sentences. What could be done about them is for front ends to add, who know what their options are called.
 
 use brdf_fit::FitNote;
+use brdf_paint::PaintNote;
 
 use crate::numbers::{percent, significant};
 
@@ -117,6 +118,34 @@ pub fn fit_note(note: &FitNote) -> String {
         FitNote::NotConverged { residual } => format!(
             "the iteration stopped before it met its tolerance; largest residual {}",
             significant(*residual)
+        ),
+        // Notes that this crate does not know yet are better shown raw than lost.
+        other => format!("{other:?}"),
+    }
+}
+
+/// Returns a note on a painted material as a sentence without a full stop.
+pub fn paint_note(note: &PaintNote) -> String {
+    match note {
+        PaintNote::Saturated { pixels, .. } => format!(
+            "{pixels} pixels are as bright as their file can hold, and may have been brighter"
+        ),
+        PaintNote::PassedOver { pixels } => {
+            format!("{pixels} pixels are more than the most to learn from and were not used")
+        }
+        PaintNote::Skipped { held_out: false, skipped } => format!("skipped: {skipped}"),
+        PaintNote::Skipped { held_out: true, skipped } => {
+            format!("skipped of held-out views: {skipped}")
+        }
+        PaintNote::Clamped { clamped } => format!(
+            "{} painted pixels have a product below 0, set to 0; {} are above the brightest painted, cut to it",
+            clamped.below_zero, clamped.above_limit
+        ),
+        PaintNote::Unconstrained { texels, of } => format!(
+            "{texels} of {of} texels of the maps are in no painted pixel; filled from around them"
+        ),
+        PaintNote::Contradictions { cells, of } => format!(
+            "views contradict each other in {cells} of {of} cells of the surface; see contradictions.png"
         ),
         // Notes that this crate does not know yet are better shown raw than lost.
         other => format!("{other:?}"),

@@ -7,6 +7,7 @@ mod convert;
 mod eval;
 mod factor;
 mod info;
+mod paint;
 mod plot;
 mod relight;
 mod render;
@@ -45,6 +46,8 @@ enum Command {
     #[command(subcommand)]
     Btf(btf::Btf),
     #[command(subcommand)]
+    Paint(paint::Paint),
+    #[command(subcommand)]
     Relight(relight::Relight),
     Convert(convert::Convert),
     Completions(completions::Completions),
@@ -62,6 +65,7 @@ impl Cli {
             Command::Eval(command) => command.run(out),
             Command::Sample(command) => command.run(out),
             Command::Btf(command) => command.run(out),
+            Command::Paint(command) => command.run(out),
             Command::Relight(command) => command.run(out),
             Command::Convert(command) => command.run(out),
             Command::Completions(command) => command.run(out),

@@ -6,30 +6,23 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
-use brdf_image::ToneMap;
-use brdf_io::{
-    OutputFolder, PaintRecord, PaintScene, PaintedFile, ReadOptions, painted_to_bytes,
-    read_buffers, read_painting, read_scene, write_exr,
-};
+use brdf_container::{MaterialFile, PaintedFile, SceneFolder, write_painted};
+use brdf_files::OutputFolder;
+use brdf_io::ReadOptions;
 use brdf_mesh::UvSource;
-use brdf_paint::pictures::{contradictions_view, coverage_view, map_view, view_strip};
 use brdf_paint::{
-    Extraction, Mode, PaintErrors, PaintLogTransform, PaintParams, PaintSamples, PaintedImage,
-    SolverChoice, ViewBuffers, extract, face_views,
+    Extraction, LearnParams, Mode, PaintErrors, PaintLogTransform, PaintNote, PaintParams,
+    PaintRecord, PaintReport, PictureInfo, SolverChoice, TrainAndHeldOut, learn, truth_errors,
 };
-use brdf_render::{DirectionalLight, Light, SphereView, render_sphere};
+use brdf_report::{
+    PaintedView, ResultFile, bytes as shown_bytes, paint_files, paint_note, significant,
+};
 use clap::ValueEnum;
-use maud::html;
-use serde_json::{Value, json};
 
-use super::setup::{JUDGED_SIZE, blended};
-use crate::args::{positive, usage};
+use super::setup::blended;
+use crate::args::{positive, usage, write_all};
 use crate::meshes::open_mesh;
-use crate::numbers::{bytes as shown_bytes, significant};
-use crate::pictures::png;
-use crate::progress::Progress;
-use crate::report::html::{document, picture};
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Make a material of a painted scene
 ///
@@ -135,151 +128,147 @@ enum LogMapArg {
     Highlight,
 }
 
-/// A view that has a painting.
-struct Painted {
-    name: String,
-    white: [f64; 3],
-    is_photograph: bool,
-    buffers: PathBuf,
-    picture: PathBuf,
-}
-
-impl Painted {
-    fn read(&self, scene: &PaintScene) -> anyhow::Result<(ViewBuffers, PaintedImage)> {
-        let buffers = read_buffers(&self.buffers, scene.size)?;
-        Ok((buffers, read_painting(&self.picture)?.balanced(self.white)))
-    }
-
-    /// Pixels that are as bright as a file of whole numbers can hold: in a photograph, they may have been brighter.
-    fn saturated(&self, image: &PaintedImage) -> usize {
-        if self.picture.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
-            return 0;
-        }
-        let is_full = |pixel: &&[f32; 4]| {
-            pixel[..3].iter().zip(self.white).any(|(v, white)| f64::from(*v) * white >= 1.0 - 1e-6)
-        };
-        image.pixels.iter().filter(is_full).count()
-    }
-}
-
 impl Extract {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
-        let path = self.scene.join("scene.toml");
-        let text = std::fs::read_to_string(&path)
-            .with_context(|| format!("{}: reading", path.display()))?;
-        let scene = read_scene(&text).with_context(|| path.display().to_string())?;
+        let scene = SceneFolder::open(&self.scene)?;
+        let views = &scene.scene.views;
         if let Some(name) =
-            self.hold_out.iter().find(|name| !scene.views.iter().any(|v| v.name == **name))
+            self.hold_out.iter().find(|name| !views.iter().any(|v| v.name == **name))
         {
-            let names: Vec<&str> = scene.views.iter().map(|view| view.name.as_str()).collect();
+            let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
             bail!("--hold-out {name}: no such view; the scene has {}", names.join(", "));
         }
         if self.offset.is_some() && self.log_map != LogMapArg::Offset {
             return Err(usage("--offset is of --log-map offset"));
         }
         let mut folder = OutputFolder::new(&self.output, self.force)?;
-        let progress = Progress::new(1);
-        let (painted, mut notes) = self.find_views(&scene)?;
-        let (mut training, mut held_out) = (PaintSamples::new(), PaintSamples::new());
+        let found = scene.paintings()?;
+        if let Some([first, second]) = &found.doubled {
+            bail!(
+                "{} and {}: two paintings of one view; remove one",
+                first.display(),
+                second.display()
+            );
+        }
+        if found.painted.is_empty() {
+            bail!(
+                "{}: no painting; save them as {}.png and so on, over the guides beside it",
+                scene.painted().display(),
+                found.missing.first().map_or("view00", String::as_str)
+            );
+        }
+        let pictures: Vec<PictureInfo> = found
+            .painted
+            .iter()
+            .map(|painting| {
+                let view = &views[painting.view];
+                let is_exr =
+                    painting.picture.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+                PictureInfo {
+                    name: view.name.clone(),
+                    white: view.white,
+                    may_be_saturated: view.has_shadows && !is_exr,
+                    is_held_out: self.hold_out.contains(&view.name),
+                }
+            })
+            .collect();
+        let settings = self.params(scene.scene.uv == UvSource::Sphere);
         #[expect(clippy::cast_possible_truncation, reason = "at most 1e8")]
-        let most = self.pixels as usize / painted.len();
-        let mut passed_over = 0;
-        for (view, of_view) in painted.iter().enumerate() {
-            progress.step(format!("reading {}", of_view.name));
-            let (buffers, image) = of_view.read(&scene)?;
-            let mut samples = PaintSamples::new();
-            samples.add(view, &of_view.name, &buffers, &image, self.least_cosine)?;
-            let saturated = of_view.saturated(&image);
-            if of_view.is_photograph && saturated > 0 {
-                notes.push(format!(
-                    "{}: {saturated} pixels are as bright as their file can hold, and may have been brighter",
-                    of_view.picture.display()
-                ));
+        let params = LearnParams {
+            paint: settings,
+            least_cosine: self.least_cosine,
+            most_pixels: self.pixels as usize,
+        };
+        let load = |index: usize| -> anyhow::Result<_> { Ok(scene.load(&found.painted[index])?) };
+        let watch = Watch::start();
+        let learned = watch.run(|job| learn(&pictures, &load, &params, job))?;
+        watch.step("drawing pictures");
+        let mut notes = Vec::new();
+        if !found.missing.is_empty() {
+            notes.push(format!("not painted: {}", found.missing.join(", ")));
+        }
+        let strange = found.strange.iter();
+        notes.extend(strange.map(|path| format!("{}: of no view, not used", path.display())));
+        notes.extend(learned.notes.iter().map(|note| match note {
+            PaintNote::Saturated { picture, .. } => {
+                format!("{}: {}", found.painted[*picture].picture.display(), paint_note(note))
             }
-            passed_over += samples.len().saturating_sub(most);
-            let is_held_out = self.hold_out.contains(&of_view.name);
-            let into = if is_held_out { &mut held_out } else { &mut training };
-            into.append(samples.subset(most));
-        }
-        if passed_over > 0 {
-            notes.push(format!("{passed_over} pixels are more than --pixels and were not used"));
-        }
-        for (what, samples) in [("skipped", &training), ("skipped of held-out views", &held_out)] {
-            if samples.skipped != brdf_paint::Skipped::default() {
-                notes.push(format!("{what}: {}", samples.skipped));
-            }
-        }
-        let params = self.params(scene.uv == UvSource::Sphere);
-        let made = extract(&training, &params, &|step| progress.step(step.to_owned()))?;
-        progress.step("judging");
-        let held_out_errors = if held_out.is_empty() {
-            self.truth_errors(&scene, &made).unwrap_or_else(|error| {
+            _ => paint_note(note),
+        }));
+        let made = &learned.extraction;
+        let held_out = learned.held_out.or_else(|| {
+            self.truth_errors(&scene, made).unwrap_or_else(|error| {
                 // What was made is worth keeping without being judged.
                 notes.push(format!("no held-out views: {error:#}"));
                 None
             })
-        } else {
-            Some(held_out.errors(&made.material))
-        };
-        let clamped = made.material.clamped(&training);
-        if clamped.below_zero + clamped.above_limit > 0 {
-            notes.push(format!(
-                "{} painted pixels have a product below 0, set to 0; {} are above the brightest painted, cut to it",
-                clamped.below_zero, clamped.above_limit
-            ));
-        }
-        let unconstrained = made.unconstrained.iter().filter(|u| **u).count();
-        if unconstrained > 0 {
-            notes.push(format!(
-                "{unconstrained} of {} texels of the maps are in no painted pixel; filled from around them",
-                made.unconstrained.len()
-            ));
-        }
-        let contradictions = made.contradictions.count();
-        if contradictions > 0 {
-            notes.push(format!(
-                "views contradict each other in {contradictions} of {} cells of the surface; see contradictions.png",
-                made.contradictions.apart.len()
-            ));
-        }
-        let record = PaintRecord { settings: params, uv: scene.uv };
-        let file = PaintedFile { material: made.material.clone(), record };
-        let bytes = painted_to_bytes(&file)?;
-        folder.write("material.safetensors", &bytes)?;
-        let strips = self.write_pictures(&mut folder, &scene, &made, &painted)?;
-        // `brdf`, by which the folder is known as ours, comes first of all keys.
-        let report = json!({
-            "brdf": env!("CARGO_PKG_VERSION"), "scene": self.scene, "output": self.output,
-            "rms": { "train": made.errors.rms, "held_out": held_out_errors.map(|e| e.rms) },
-            "max": { "train": made.errors.max, "held_out": held_out_errors.map(|e| e.max) },
-            "products": made.material.components.len(), "samples": training.len(),
-            "unconstrained_texels": unconstrained, "smoothed_texels": made.smoothed_texels,
-            "contradicted_cells": contradictions, "passed_over": passed_over,
-            "skipped": training.skipped, "clamped": clamped, "bytes": bytes.len(),
-            "seconds": start.elapsed().as_secs_f64(), "settings": params, "notes": notes,
         });
-        folder.write("report.html", page(&report, &strips, &notes).as_bytes())?;
-        let report = serde_json::to_string_pretty(&report)? + "\n";
-        folder.write("report.json", report.as_bytes())?;
+        let record = PaintRecord { settings, uv: scene.scene.uv };
+        let bytes = write_painted(&PaintedFile { material: made.material.clone(), record })?;
+        let texels = made.unconstrained.iter().filter(|u| **u).count();
+        let report = PaintReport {
+            brdf: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: self.scene.to_string_lossy().into_owned(),
+            output: self.output.to_string_lossy().into_owned(),
+            rms: TrainAndHeldOut { train: made.errors.rms, held_out: held_out.map(|e| e.rms) },
+            max: TrainAndHeldOut { train: made.errors.max, held_out: held_out.map(|e| e.max) },
+            products: made.material.components.len(),
+            samples: learned.samples,
+            unconstrained_texels: texels,
+            smoothed_texels: made.smoothed_texels,
+            contradicted_cells: made.contradictions.count(),
+            passed_over: learned.passed_over,
+            skipped: learned.skipped,
+            clamped: learned.clamped,
+            bytes: bytes.len(),
+            seconds: start.elapsed().as_secs_f64(),
+            settings,
+            notes,
+        };
+        let views = pictures.iter().enumerate().map(|(index, info)| {
+            let (buffers, image) = load(index)?;
+            let (name, is_held_out) = (info.name.clone(), info.is_held_out);
+            Ok::<_, anyhow::Error>(PaintedView { name, is_held_out, buffers, image })
+        });
+        let files = paint_files(views, made, &report)?;
+        folder.write("material.safetensors", &bytes)?;
+        write_all(&mut folder, &files)?;
         folder.finish()?;
-        drop(progress);
+        drop(watch);
         if self.json {
-            out.write_all(report.as_bytes())?;
+            let json = files.last().map_or(&[][..], |ResultFile { bytes, .. }| bytes);
+            out.write_all(json)?;
             return Ok(ExitCode::SUCCESS);
         }
         writeln!(out, "{}: {}", self.output.display(), shown_bytes(bytes.len()))?;
-        writeln!(
-            out,
-            "  RMS {} of {} painted pixels",
-            significant(made.errors.rms),
-            training.len()
-        )?;
-        if let Some(errors) = held_out_errors {
-            writeln!(out, "  RMS {} of pixels that were not used", significant(errors.rms))?;
+        let (rms, samples) = (significant(report.rms.train), report.samples);
+        writeln!(out, "  RMS {rms} of {samples} painted pixels")?;
+        if let Some(rms) = report.rms.held_out {
+            writeln!(out, "  RMS {} of pixels that were not used", significant(rms))?;
         }
-        notes.iter().try_for_each(|note| writeln!(out, "  {note}"))?;
+        report.notes.iter().try_for_each(|note| writeln!(out, "  {note}"))?;
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// Errors of views and lights between the painted ones, where what was painted is known.
+    fn truth_errors(
+        &self,
+        scene: &SceneFolder,
+        made: &Extraction,
+    ) -> anyhow::Result<Option<PaintErrors>> {
+        let scene = &scene.scene;
+        let Some(record) = &scene.truth else { return Ok(None) };
+        let mesh = open_mesh(Path::new(&scene.mesh), Some(scene.uv))?;
+        let files: Vec<MaterialFile> = record
+            .materials
+            .iter()
+            .map(|name| MaterialFile::open(name, &ReadOptions::default()))
+            .collect::<Result<_, _>>()?;
+        let mut truth = blended(&files).context("expected three materials")?;
+        truth.scale = record.scale;
+        let material = &made.material;
+        Ok(Some(truth_errors(&truth, &mesh, scene.size, self.least_cosine, material)?))
     }
 
     fn params(&self, wraps: bool) -> PaintParams {
@@ -306,145 +295,4 @@ impl Extract {
             wraps,
         }
     }
-
-    /// Views that were painted, and what should be said about the others.
-    fn find_views(&self, scene: &PaintScene) -> anyhow::Result<(Vec<Painted>, Vec<String>)> {
-        let folder = self.scene.join("painted");
-        let pictures = pictures_in(&folder)?;
-        let (mut painted, mut missing) = (Vec::new(), Vec::new());
-        for view in &scene.views {
-            let found: Vec<&PathBuf> =
-                pictures.iter().filter(|path| is_of(path, &view.name)).collect();
-            match &found[..] {
-                [] => missing.push(view.name.as_str()),
-                [picture] => {
-                    let (name, picture) = (view.name.clone(), (*picture).clone());
-                    let buffers = self.scene.join("buffers").join(format!("{name}.exr"));
-                    let (white, is_photograph) = (view.white, view.has_shadows);
-                    painted.push(Painted { name, white, is_photograph, buffers, picture });
-                }
-                [first, second, ..] => bail!(
-                    "{} and {}: two paintings of one view; remove one",
-                    first.display(),
-                    second.display()
-                ),
-            }
-        }
-        if painted.is_empty() {
-            bail!(
-                "{}: no painting; save them as {}.png and so on, over the guides beside it",
-                folder.display(),
-                missing.first().unwrap_or(&"view00")
-            );
-        }
-        let mut notes = Vec::new();
-        if !missing.is_empty() {
-            notes.push(format!("not painted: {}", missing.join(", ")));
-        }
-        let is_strange = |path: &&PathBuf| !scene.views.iter().any(|view| is_of(path, &view.name));
-        let strange = pictures.iter().filter(is_strange);
-        notes.extend(strange.map(|path| format!("{}: of no view, not used", path.display())));
-        Ok((painted, notes))
-    }
-
-    /// Errors of views and lights between the painted ones, where what was painted is known.
-    fn truth_errors(
-        &self,
-        scene: &PaintScene,
-        made: &Extraction,
-    ) -> anyhow::Result<Option<PaintErrors>> {
-        let Some(record) = &scene.truth else { return Ok(None) };
-        let mesh = open_mesh(Path::new(&scene.mesh), Some(scene.uv))?;
-        let subjects: Vec<Subject> = record
-            .materials
-            .iter()
-            .map(|name| Subject::open(name, &ReadOptions::default()))
-            .collect::<anyhow::Result<_>>()?;
-        let Some(mut truth) = blended(&subjects) else { return Ok(None) };
-        truth.scale = record.scale;
-        let mut samples = PaintSamples::new();
-        for (at, view) in face_views(&mesh).iter().enumerate() {
-            let [width, height] = scene.size.map(|side| side.min(JUDGED_SIZE));
-            let buffers = ViewBuffers::of(&mesh, view, width, height);
-            samples.add(at, &view.name, &buffers, &truth.paint(&buffers), self.least_cosine)?;
-        }
-        Ok(Some(samples.errors(&made.material)))
-    }
-
-    /// Pictures of views, maps and products, with captions, as PNG.
-    fn write_pictures(
-        &self,
-        folder: &mut OutputFolder,
-        scene: &PaintScene,
-        made: &Extraction,
-        painted: &[Painted],
-    ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
-        let mut pictures = Vec::new();
-        for (at, of_view) in painted.iter().enumerate() {
-            let (name, (buffers, image)) = (&of_view.name, of_view.read(scene)?);
-            let strip = png(&view_strip(name, &buffers, &image, &made.material))?;
-            folder.write(&format!("view-{}.png", at + 1), &strip)?;
-            let held = if self.hold_out.contains(name) { ", held out" } else { "" };
-            pictures.push((format!("{name}{held}"), strip));
-        }
-        let light = Light::Directional(DirectionalLight::default());
-        for (at, component) in made.material.components.iter().enumerate() {
-            let film = render_sphere(component.product.angular(), &light, &SphereView::default());
-            let sphere = png(&ToneMap::exposed_for(&film).apply(&film))?;
-            pictures.push((format!("product {}, factors of directions", at + 1), sphere));
-            let Some(map) = &component.coefficients else { continue };
-            let picture = png(&map_view(map))?;
-            folder.write(&format!("map-{}.png", at + 1), &picture)?;
-            let exr = write_exr(map.size, map.size, &[("Y", map.values.clone())])?;
-            folder.write(&format!("map-{}.exr", at + 1), &exr)?;
-            pictures.push((format!("map {}", at + 1), picture));
-        }
-        if !made.unconstrained.is_empty() {
-            let coverage = png(&coverage_view(self.map_size, &made.unconstrained))?;
-            folder.write("coverage.png", &coverage)?;
-            pictures.push(("coverage: violet was filled".to_owned(), coverage));
-        }
-        let contradictions = png(&contradictions_view(&made.contradictions))?;
-        folder.write("contradictions.png", &contradictions)?;
-        pictures.push(("red: views contradict each other".to_owned(), contradictions));
-        Ok(pictures)
-    }
-}
-
-/// Files of a folder, in order.
-fn pictures_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    if !folder.exists() {
-        return Ok(Vec::new());
-    }
-    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
-    let mut paths: Vec<PathBuf> =
-        entries.map(|entry| entry.map(|e| e.path())).collect::<Result<_, _>>()?;
-    paths.retain(|path| path.is_file());
-    paths.sort();
-    Ok(paths)
-}
-
-/// Whether a file is the painting of a view.
-fn is_of(path: &Path, view: &str) -> bool {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let is_picture = ending.is_some_and(|e| ["png", "jpg", "jpeg", "exr"].contains(&e.as_str()));
-    is_picture && path.file_stem().is_some_and(|stem| stem == view)
-}
-
-fn page(report: &Value, pictures: &[(String, Vec<u8>)], notes: &[String]) -> String {
-    document(
-        "painted material",
-        &html! {
-            p {
-                "RMS " (report["rms"]["train"]) " over " (report["samples"]) " painted pixels; of views and lights "
-                "that were not used: " (report["rms"]["held_out"]) "."
-            }
-            ul { @for note in notes { li { (note) } } }
-            @for (caption, bytes) in pictures {
-                figure { (picture(bytes, caption)) figcaption { (caption) } }
-            }
-            h2 { "Settings" }
-            pre { (serde_json::to_string_pretty(&report["settings"]).unwrap_or_default()) }
-        },
-    )
 }

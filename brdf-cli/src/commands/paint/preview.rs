@@ -4,14 +4,14 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use brdf_image::ToneMap;
-use brdf_io::{MappedFile, parse_painted, write_atomically};
+use brdf_container::read_painted;
+use brdf_files::{FileError, MappedFile, write_atomically};
+use brdf_image::{ToneMap, encode_png};
 use brdf_render::{MeshView, render_mesh};
 
 use crate::args::{ForceArgs, LightArgs, positive, usage};
 use crate::meshes::{ViewArgs, open_mesh};
-use crate::pictures::{light, png};
-use crate::progress::Progress;
+use crate::progress::Watch;
 
 /// Show a painted material on an object
 ///
@@ -66,21 +66,20 @@ impl Preview {
             self.material.clone()
         };
         let bytes = MappedFile::open(&path)?;
-        let file = parse_painted(&bytes)
-            .map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
+        let file = read_painted(&bytes).map_err(FileError::content(&path))?;
         let mesh = open_mesh(&self.mesh, Some(file.record.uv))?;
-        let light_source = light(&self.light)?;
+        let light_source = self.light.open()?;
         let view = MeshView {
             size: self.size as usize,
             samples: self.samples,
             has_ground: self.view.ground,
             ..MeshView::default()
         };
-        let progress = Progress::new(1);
-        progress.step("rendering");
+        let watch = Watch::start();
+        watch.step("rendering");
         let camera = self.view.camera(&mesh);
         let film = render_mesh(&mesh, &file.material, &light_source, &camera, &view);
-        drop(progress);
+        drop(watch);
         // Paintings are in [0, 1], and so is what is lit like them.
         let usual = if self.light.env.is_some() {
             ToneMap::exposed_for(&film)
@@ -88,7 +87,7 @@ impl Preview {
             ToneMap { exposure: 1.0 }
         };
         let tone = self.exposure.map_or(usual, |exposure| ToneMap { exposure });
-        write_atomically(&self.output, &png(&tone.apply(&film))?, self.force.overwrite())?;
+        write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
     }

@@ -5,21 +5,22 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
-use brdf_io::{
-    OutputFolder, PaintScene, ReadOptions, TruthRecord, buffers_to_exr, painting_to_exr,
-    read_views, scene_to_toml,
+use brdf_container::{
+    MaterialFile, PaintScene, read_views, write_buffers, write_painting, write_scene,
 };
+use brdf_files::OutputFolder;
+use brdf_image::encode_png;
+use brdf_io::ReadOptions;
 use brdf_mesh::Mesh;
 use brdf_model::Brdf;
-use brdf_paint::pictures::guide;
-use brdf_paint::{GroundTruth, PaintView, ViewBuffers, spiral_views, vertex_views};
-use serde_json::json;
+use brdf_paint::{
+    GroundTruth, PaintView, PreparedView, SetupReport, TruthRecord, prepare, spiral_views,
+    vertex_views,
+};
 
 use crate::args::{resolution, usage};
 use crate::meshes::{UvArg, open_mesh};
-use crate::pictures::png;
-use crate::progress::Progress;
-use crate::subject::Subject;
+use crate::progress::Watch;
 
 /// Prepare views of an object for painting
 ///
@@ -65,9 +66,6 @@ pub(in crate::commands) struct Setup {
     json: bool,
 }
 
-/// Pictures by which rendered scenes are judged, and scaled, are no larger.
-pub(super) const JUDGED_SIZE: usize = 512;
-
 impl Setup {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
         if !matches!(self.truth.len(), 0 | 3) {
@@ -87,18 +85,12 @@ impl Setup {
         }
         let (views, mesh_uv) = (self.open_views(&mesh)?, mesh.uv_source());
         let [width, height] = self.size;
-        let progress = Progress::new(views.len() as u64 + 1);
-        let subjects: Vec<Subject> = self
+        let files: Vec<MaterialFile> = self
             .truth
             .iter()
-            .map(|name| Subject::open(name, &ReadOptions::default()))
-            .collect::<anyhow::Result<_>>()?;
-        let truth = blended(&subjects).map(|truth| {
-            progress.step("scale of the truth");
-            let [width, height] = self.size.map(|side| side.min(JUDGED_SIZE));
-            let small = views.iter().map(|view| ViewBuffers::of(&mesh, view, width, height));
-            truth.scaled_for(&small.collect::<Vec<_>>())
-        });
+            .map(|name| MaterialFile::open(name, &ReadOptions::default()))
+            .collect::<Result<_, _>>()?;
+        let truth = blended(&files);
         let (guides, exact) = (folder.create_folder("guides")?, folder.create_folder("buffers")?);
         let painted = if truth.is_some() || !self.output.join("painted").exists() {
             Some(folder.create_folder("painted")?)
@@ -108,48 +100,47 @@ impl Setup {
         let write = |place: &Path, name: String, bytes: Vec<u8>| {
             std::fs::write(place.join(&name), bytes).with_context(|| format!("writing {name}"))
         };
-        let (mut pixels, mut lit) = (0, 0);
-        for view in &views {
-            progress.step(view.name.clone());
-            let buffers = ViewBuffers::of(&mesh, view, width, height);
-            let seen = buffers.pixels.iter().flatten().count();
-            if seen == 0 {
-                bail!("view {}: the object is not in the picture", view.name);
+        let mut take = |view: PreparedView| -> anyhow::Result<()> {
+            write(&guides, format!("{}.png", view.name), encode_png(&view.guide)?)?;
+            write(&exact, format!("{}.exr", view.name), write_buffers(&view.buffers)?)?;
+            if let (Some(image), Some(painted)) = (&view.painting, &painted) {
+                write(painted, format!("{}.exr", view.name), write_painting(image)?)?;
             }
-            pixels += seen;
-            lit += buffers.pixels.iter().flatten().filter(|s| s.is_seen_and_lit()).count();
-            write(&guides, format!("{}.png", view.name), png(&guide(&buffers))?)?;
-            write(&exact, format!("{}.exr", view.name), buffers_to_exr(&buffers)?)?;
-            if let (Some(truth), Some(painted)) = (&truth, &painted) {
-                let image = painting_to_exr(&truth.paint(&buffers))?;
-                write(painted, format!("{}.exr", view.name), image)?;
-            }
-            progress.done(1);
-        }
-        let truth = truth.as_ref().and_then(|truth| {
-            let materials = <[String; 3]>::try_from(self.truth.clone()).ok()?;
-            Some(TruthRecord { materials, scale: truth.scale })
-        });
+            Ok(())
+        };
+        let watch = Watch::start();
+        let prepared = watch.run(|job| prepare(&mesh, &views, self.size, truth, job, &mut take))?;
+        drop(watch);
+        let materials = <[String; 3]>::try_from(self.truth.clone()).ok();
+        let truth = materials.zip(prepared.scale);
+        let truth = truth.map(|(materials, scale)| TruthRecord { materials, scale });
         let mesh = self.mesh.to_string_lossy().into_owned();
         let uv = mesh_uv;
         let scene = PaintScene { mesh, uv, size: self.size, views, truth };
-        folder.write("scene.toml", scene_to_toml(&scene)?.as_bytes())?;
-        // `brdf`, by which the folder is known as ours, comes first of all keys.
-        let report = json!({
-            "brdf": env!("CARGO_PKG_VERSION"), "scene": self.output, "views": scene.views.len(),
-            "size": scene.size, "pixels": pixels, "lit_pixels": lit, "uv": scene.uv,
-            "truth": scene.truth,
-        });
+        folder.write("scene.toml", write_scene(&scene)?.as_bytes())?;
+        let report = SetupReport {
+            brdf: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: self.output.to_string_lossy().into_owned(),
+            views: scene.views.len(),
+            size: scene.size,
+            pixels: prepared.pixels,
+            lit_pixels: prepared.lit_pixels,
+            uv: scene.uv,
+            truth: scene.truth.clone(),
+        };
         let report = serde_json::to_string_pretty(&report)? + "\n";
         folder.write("report.json", report.as_bytes())?;
         folder.finish()?;
-        drop(progress);
         if self.json {
             out.write_all(report.as_bytes())?;
         } else {
             let count = scene.views.len();
             let folder = self.output.display();
-            writeln!(out, "{folder}: {count} views of {width} × {height}, {lit} lit pixels")?;
+            writeln!(
+                out,
+                "{folder}: {count} views of {width} × {height}, {} lit pixels",
+                prepared.lit_pixels
+            )?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -176,8 +167,8 @@ impl Setup {
 }
 
 /// The blend of three materials, unscaled.
-pub(super) fn blended(subjects: &[Subject]) -> Option<GroundTruth<'_>> {
-    let [a, b, c] = subjects else { return None };
+pub(super) fn blended(files: &[MaterialFile]) -> Option<GroundTruth<'_>> {
+    let [a, b, c] = files else { return None };
     let brdfs: [&dyn Brdf; 3] = [a.brdf(), b.brdf(), c.brdf()];
     Some(GroundTruth { brdfs, scale: 1.0 })
 }
