@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use brdf_image::DisplayImage;
-use brdf_io::png_bytes;
+use brdf_image::encode_png;
 use serde_json::Value;
 use support::{brdf, fail, succeed, text};
 use tempfile::TempDir;
@@ -517,7 +517,7 @@ fn place_map(folder: &Path, name: &str, side: usize, colour: [u8; 3]) {
     for row in 0..side {
         picture.set(0, row, colour.map(|value| value / 2));
     }
-    fs::write(folder.join(name), png_bytes(&picture).unwrap()).unwrap();
+    fs::write(folder.join(name), encode_png(&picture).unwrap()).unwrap();
 }
 
 #[test]

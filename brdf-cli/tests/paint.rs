@@ -154,7 +154,7 @@ fn photographs_of_known_poses_become_a_material() {
     let (albedo, white) = ([0.7, 0.4, 0.2], [0.3, 0.25, 0.2]);
     for file in files {
         let buffers = folder.join(format!("scene/buffers/{}.exr", &file[..1]));
-        let buffers = brdf_io::read_buffers(&buffers, [96, 64]).unwrap();
+        let buffers = brdf_container::read_buffers(&fs::read(&buffers).unwrap(), [96, 64]).unwrap();
         let shadowed = buffers.pixels.iter().flatten().filter(|s| s.irradiance == 0.0).count();
         assert!(shadowed > 10, "{file}: the ring shades itself");
         let path = folder.join("scene/painted").join(file);
@@ -171,7 +171,7 @@ fn photographs_of_known_poses_become_a_material() {
                 });
                 let image =
                     brdf_paint::PaintedImage { width: 96, height: 64, pixels: pixels.collect() };
-                fs::write(path, brdf_io::painting_to_exr(&image).unwrap()).unwrap();
+                fs::write(path, brdf_container::write_painting(&image).unwrap()).unwrap();
             }
             (name, _) => {
                 let encode = |v: f64| {

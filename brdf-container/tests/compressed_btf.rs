@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use brdf_container::{read_btf, write_btf};
 use brdf_files::MappedFile;
+use brdf_model::DirectionSampler as _;
 use btf_vq::{
     AngularGrid, BtfModel, BtfRecord, Chroma, Codebooks, CompressedTexture, Encoding, IndexCodebook, Mode, ScaleBits,
     TextureInfo, VqModel,

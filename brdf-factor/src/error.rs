@@ -65,7 +65,7 @@ pub enum FactorError {
     },
     /// A matrix was inverted for other samples.
     #[error(
-        "these {samples} samples do not lie where those of the basis lie, or the factors are others;          make a basis for them"
+        "these {samples} samples do not lie where those of the basis lie, or the factors are others; make a basis for them"
     )]
     OtherSampling {
         /// Number of samples given now.

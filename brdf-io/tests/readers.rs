@@ -190,8 +190,7 @@ fn damaged_measured_files_are_refused_in_one_line() {
     let Some(path) = data_file("rgl/aurora_white_rgb.bsdf") else { return };
     let bytes = fs::read(path).unwrap();
     for length in [0, 5, 17, 100, 1_000, 200_000, bytes.len() - 2_000] {
-        let message =
-            read(&bytes[..length], &ReadOptions::default()).unwrap_err().to_string();
+        let message = read(&bytes[..length], &ReadOptions::default()).unwrap_err().to_string();
         assert!(
             !message.contains('\n') && message.contains("expected")
                 || message.contains("past the end"),
