@@ -11,9 +11,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context as _;
-use brdf_image::{DIFFERENCE_GAIN, DisplayImage, Panel, ToneMap, strip};
-use brdf_io::{OutputFolder, png_bytes, read_mesh};
-use brdf_mesh::{Camera, Mesh, Soup};
+use brdf_files::{MappedFile, OutputFolder};
+use brdf_image::{DIFFERENCE_GAIN, DisplayImage, Panel, ToneMap, encode_png, strip};
+use brdf_job::Job;
+use brdf_mesh::{Camera, Mesh, Soup, parse_mesh};
 use brdf_model::{Analytic, Preset};
 use brdf_paint::pictures::{compared, contradictions_view, painted, reconstructed};
 use brdf_paint::{
@@ -49,7 +50,7 @@ fn main() -> anyhow::Result<()> {
         let mut named = Vec::new();
         for (at, (picture, caption)) in pictures.into_iter().enumerate() {
             let name = format!("{}-{at}.png", painting.name);
-            folder.write(&name, &png_bytes(&picture)?)?;
+            folder.write(&name, &encode_png(&picture)?)?;
             named.push((name, caption));
         }
         rows.push(shown.row(&mesh, &other, &views[0], &unseen[7]));
@@ -64,7 +65,7 @@ fn main() -> anyhow::Result<()> {
             }
         });
     }
-    folder.write("sheet.png", &png_bytes(&stacked(&rows))?)?;
+    folder.write("sheet.png", &encode_png(&stacked(&rows))?)?;
     let page = html! {
         (maud::DOCTYPE)
         html lang="en" {
@@ -86,7 +87,7 @@ fn open(name: &str) -> anyhow::Result<Mesh> {
     let data = std::env::var_os("BRDF_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from);
     let path = data.join("meshes").join(name);
     let (mesh, _) = if Path::new(&path).exists() {
-        read_mesh(&path)?
+        parse_mesh(&MappedFile::open(&path)?)?
     } else {
         println!("{}: not there; a ring instead", path.display());
         Mesh::new(Soup::torus())?
@@ -256,10 +257,10 @@ impl<'a> Shown<'a> {
         }
         let params = PaintParams { map_size: 128, wraps: true, ..PaintParams::default() };
         let start = Instant::now();
-        let turns = extract(&samples, &params, &|_| ())?;
+        let turns = extract(&samples, &params, &Job::new())?;
         let seconds = start.elapsed().as_secs_f64();
         let solver = SolverChoice::Paper;
-        let published = extract(&samples, &PaintParams { solver, ..params }, &|_| ())?;
+        let published = extract(&samples, &PaintParams { solver, ..params }, &Job::new())?;
         let held_out = if painting.name == "blended" {
             let mut unseen = PaintSamples::new();
             for (at, view) in face_views(mesh).iter().enumerate() {

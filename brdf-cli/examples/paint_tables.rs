@@ -13,8 +13,9 @@ use anyhow::Context as _;
 use brdf_factor::{
     Damping, FactorParams, FactorSpec, Inversion, Plan, Preinverted, PreinvertedWorkspace, Problem,
 };
-use brdf_io::read_mesh;
-use brdf_mesh::Mesh;
+use brdf_files::MappedFile;
+use brdf_job::Job;
+use brdf_mesh::{Mesh, parse_mesh};
 use brdf_model::{Brdf, Channels, Preset, Rgb, SampleSet, log_offsets, measure};
 use brdf_paint::{
     GroundTruth, Mode, PaintErrors, PaintParams, PaintSamples, PaintView, SolverChoice,
@@ -30,7 +31,7 @@ const FEW: usize = 317;
 
 fn main() -> anyhow::Result<()> {
     let data = std::env::var_os("BRDF_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from);
-    let (mesh, _) = read_mesh(&data.join("meshes/bunny.ply"))?;
+    let (mesh, _) = parse_mesh(&MappedFile::open(&data.join("meshes/bunny.ply"))?)?;
     let mesh = mesh.with_sphere_coordinates();
     let preset = |name: &str| Preset::find(name).context("a built-in material").map(|p| p.brdf());
     let brdfs = [preset("lafortune-blue-paint")?, preset("red-plastic")?, preset("ggx")?];
@@ -228,7 +229,7 @@ fn preinversion(training: &PaintSamples) -> anyhow::Result<()> {
                 wraps: true,
                 ..PaintParams::default()
             };
-            let (seconds, _) = least(3, || Ok(extract(&many, &params, &|_| ())?))?;
+            let (seconds, _) = least(3, || Ok(extract(&many, &params, &Job::new())?))?;
             println!("| {texels} | {products} products | {seconds:.3} | paper {paper} |");
         }
     }
@@ -240,7 +241,7 @@ fn errors(mesh: &Mesh, training: &PaintSamples, held_out: &PaintSamples) -> anyh
     let base = PaintParams { wraps, ..PaintParams::default() };
     let show = |name: &str, params: PaintParams| -> anyhow::Result<()> {
         let start = Instant::now();
-        let made = extract(training, &params, &|_| ())?;
+        let made = extract(training, &params, &Job::new())?;
         let seconds = start.elapsed().as_secs_f64();
         let PaintErrors { rms, max } = held_out.errors(&made.material);
         println!(

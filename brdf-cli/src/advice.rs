@@ -1,10 +1,11 @@
 //! What can be done about notes and errors, in terms of options.
 
-use brdf_container::OpenError;
+use brdf_container::{OpenError, Paintings};
 use brdf_files::FileError;
 use brdf_fit::FitNote;
 use brdf_io::{FormatError, ReadNote};
-use brdf_report::fit_note;
+use brdf_paint::PaintNote;
+use brdf_report::{fit_note, paint_note};
 
 /// What the readers assumed or changed, as sentences.
 pub(crate) fn read_notes(notes: &[ReadNote]) -> Vec<String> {
@@ -28,6 +29,24 @@ pub(crate) fn fit_notes(read: &[ReadNote], notes: &[FitNote]) -> Vec<String> {
     };
     let notes = notes.iter().map(|note| format!("{}{}", fit_note(note), advice(note)));
     read_notes(read).into_iter().chain(notes).collect()
+}
+
+/// What was not painted, and notes on a material that was learned from the rest, as sentences.
+pub(crate) fn paint_notes(found: &Paintings, notes: &[PaintNote]) -> Vec<String> {
+    let missing =
+        (!found.missing.is_empty()).then(|| format!("not painted: {}", found.missing.join(", ")));
+    let strange = found.strange.iter();
+    let strange = strange.map(|path| format!("{}: of no view, not used", path.display()));
+    let notes = notes.iter().map(|note| match note {
+        PaintNote::Saturated { picture, .. } => {
+            format!("{}: {}", found.painted[*picture].picture.display(), paint_note(note))
+        }
+        PaintNote::PassedOver { pixels } => {
+            format!("{pixels} pixels are more than --pixels and were not used")
+        }
+        _ => paint_note(note),
+    });
+    missing.into_iter().chain(strange).chain(notes).collect()
 }
 
 /// The option that helps with an error, as the end of its sentence.

@@ -45,6 +45,11 @@ impl Watch {
         work(&Job::watched_by(&show).with_cancel(&self.cancel))
     }
 
+    /// Does work that may print, with the progress out of its way.
+    pub(crate) fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.bar.suspend(work)
+    }
+
     /// Names work that does not say how far it is.
     pub(crate) fn step(&self, message: impl Into<Cow<'static, str>>) {
         self.bar.set_message(message);

@@ -83,3 +83,11 @@ pub use scene::{
 };
 pub use separable::write_separable;
 pub use table::{write_samples, write_table};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/library.md")]
+struct LibraryGuide;

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use brdf_files::{FileError, MappedFile};
 use brdf_image::{decode_picture, encode_exr, exr_planes, exr_size};
 use brdf_mesh::{Camera, UvSource};
-use brdf_paint::{LightSource, PaintView, PaintedImage, PixelSurface, TruthRecord, ViewBuffers};
+use brdf_paint::{
+    LightSource, PaintView, PaintedImage, PictureInfo, PixelSurface, TruthRecord, ViewBuffers,
+};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -382,6 +384,22 @@ impl SceneFolder {
             .cloned()
             .collect();
         Ok(found)
+    }
+
+    /// Returns what there is to know of paintings before they are learned from; views of these names are held out.
+    pub fn infos(&self, paintings: &[Painting], held_out: &[String]) -> Vec<PictureInfo> {
+        let info = |painting: &Painting| {
+            let view = &self.scene.views[painting.view];
+            let is_exr =
+                painting.picture.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+            PictureInfo {
+                name: view.name.clone(),
+                white: view.white,
+                may_be_saturated: view.has_shadows && !is_exr,
+                is_held_out: held_out.contains(&view.name),
+            }
+        };
+        paintings.iter().map(info).collect()
     }
 
     /// Returns a painting and the buffers of its view, white as the view says.

@@ -8,8 +8,8 @@ use brdf_container::{read_btf, write_btf};
 use brdf_files::MappedFile;
 use brdf_model::DirectionSampler as _;
 use btf_vq::{
-    AngularGrid, BtfModel, BtfRecord, Chroma, Codebooks, CompressedTexture, Encoding, IndexCodebook, Mode, ScaleBits,
-    TextureInfo, VqModel,
+    AngularGrid, BtfModel, BtfRecord, Chroma, Codebooks, CompressedTexture, Encoding,
+    IndexCodebook, Mode, ScaleBits, TextureInfo, VqModel,
 };
 
 /// A model of 2 × 2 × 2 × 1 nodes and 2 × 2 texels.
@@ -42,8 +42,7 @@ fn model() -> BtfModel {
 }
 
 fn written() -> Vec<u8> {
-    let made =
-        BtfRecord { mode: Mode::Refined, measure: None, epsilon: None, raw_bytes: 1000 };
+    let made = BtfRecord { mode: Mode::Refined, measure: None, epsilon: None, raw_bytes: 1000 };
     write_btf(&model(), &made).unwrap()
 }
 
@@ -69,7 +68,7 @@ fn broken_models_are_refused_or_read_within_bounds() {
             let (width, height) = reader.size(0);
             for texel in 0..(width * height).min(16) {
                 reader.texel(0, texel, &reader.taps(wi, wi));
-                reader.light_sampler(0, texel, wi).sample(0.3, 0.7);
+                reader.light_sampler(0, texel, wi).sample([0.3, 0.7]);
             }
         }
         true

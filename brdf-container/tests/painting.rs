@@ -58,8 +58,14 @@ fn basis_file(inversion: Inversion) -> Basis {
         brdf_factor::Inverse::Cholesky(_) => None,
         brdf_factor::Inverse::Svd(basis) => Some(basis.components()),
     };
-    let settings =
-        FitSettingsRecord { params, reciprocal: true, samples: 40, seed: 1, replicate: 1, search: None };
+    let settings = FitSettingsRecord {
+        params,
+        reciprocal: true,
+        samples: 40,
+        seed: 1,
+        replicate: 1,
+        search: None,
+    };
     Basis {
         inverse: inverted.inverse().clone(),
         record: BasisRecord {
@@ -112,10 +118,8 @@ fn what_is_written_comes_back() {
         assert_eq!(write_basis(&again).unwrap(), bytes);
     }
     let error = read_painted(&write_basis(&basis_files()[0]).unwrap()).unwrap_err();
-    let is_another_kind = matches!(
-        error,
-        ContainerError::Kind { found: Kind::Basis, expected: Kind::Painted }
-    );
+    let is_another_kind =
+        matches!(error, ContainerError::Kind { found: Kind::Basis, expected: Kind::Painted });
     assert!(is_another_kind, "{error}");
 }
 

@@ -11,7 +11,8 @@ use brdf_container::{read_piece, read_relight, write_piece, write_relight};
 use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_relight::{
     BrdfMaps, Chunk, Codec, CubeLight, LightMaps, LightRule, MapParams, Occluder, Part,
-    Precomputation, PrecomputeParams, Quality, RelightRecord, RelitScene, RenderParams, Surface, render,
+    Precomputation, PrecomputeParams, Quality, RelightRecord, RelitScene, RenderParams, Surface,
+    render,
 };
 use glam::DVec3;
 

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::compare::Comparison;
 
-
 /// Models of many materials beside their references.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

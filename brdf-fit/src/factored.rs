@@ -529,6 +529,5 @@ fn search_notes(found: &Found, asked: usize, scattered: bool, notes: &mut Vec<Fi
 fn coverage(material: &Material<'_>, theta_max: f64) -> f64 {
     let sampling = PairSampling { count: 4_000, seed: 1, theta_max };
     let covered = sampling.pairs().filter(|pair| material.brdf().has_data(pair)).count();
-    let share = covered as f64 / f64::from(sampling.count);
-    share
+    covered as f64 / f64::from(sampling.count)
 }

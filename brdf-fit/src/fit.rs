@@ -28,7 +28,6 @@ impl Default for FitSettings {
 
 /// A fitted material.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "there is one for each fit")]
 pub enum Fit {
     /// A product of textures.
     Factored(FactoredFit),

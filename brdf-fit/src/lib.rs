@@ -55,8 +55,8 @@ pub use record::{
     SeparableRecord, SeparableSettingsRecord, TermRecord,
 };
 pub use report::{
-    BaselineReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport, SamplesReport, SearchReport,
-    SeparableEvaluation, SeparableReport, SolveReport, Tried,
+    BaselineReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport, SamplesReport,
+    SearchReport, SeparableEvaluation, SeparableReport, SolveReport, Tried,
 };
 pub use search::{FixedFactors, SearchSettings, Strategy};
 pub use separable::{
@@ -64,3 +64,7 @@ pub use separable::{
 };
 pub use spectrum::{RankErrors, light_view_spectrum, rank_errors};
 pub use training::HELD_OUT_PAIRS;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -10,7 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::factored::{FactoredFit, FactoredModel};
 use crate::method::{Method, SeparableMap};
-use crate::record::{Albedo, FactoredRecord, FitSettingsRecord, RankRecord, SeparableSettingsRecord, TermRecord};
+use crate::record::{
+    Albedo, FactoredRecord, FitSettingsRecord, RankRecord, SeparableSettingsRecord, TermRecord,
+};
 use crate::separable::SeparableFit;
 
 /// Name of a model's file in the folder of its report.

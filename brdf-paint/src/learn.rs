@@ -84,6 +84,8 @@ pub enum PaintNote {
 /// The result of [`learn`]: a material, its errors, and what was left out on the way.
 #[derive(Clone, Debug)]
 pub struct Learned {
+    /// Options of the extraction.
+    pub settings: PaintParams,
     /// The material.
     pub extraction: Extraction,
     /// Number of samples that were learned from.
@@ -179,6 +181,7 @@ pub fn learn<E: From<PaintError>>(
         notes.push(PaintNote::Contradictions { cells, of });
     }
     Ok(Learned {
+        settings: params.paint,
         samples: training.len(),
         skipped: training.skipped,
         extraction,
@@ -266,4 +269,39 @@ pub struct PaintReport {
     pub settings: PaintParams,
     /// Facts that a reader should know, in sentences.
     pub notes: Vec<String>,
+}
+
+impl PaintReport {
+    /// Returns the report of a material whose file has so many bytes. Notes are those of `learned`, in sentences, and
+    /// what there is to say about the scene.
+    pub fn new(
+        version: &str,
+        [scene, output]: [&str; 2],
+        learned: &Learned,
+        bytes: usize,
+        seconds: f64,
+        notes: Vec<String>,
+    ) -> Self {
+        let (made, held_out) = (&learned.extraction, learned.held_out);
+        let errors = made.errors;
+        Self {
+            brdf: version.to_owned(),
+            scene: scene.to_owned(),
+            output: output.to_owned(),
+            rms: TrainAndHeldOut { train: errors.rms, held_out: held_out.map(|e| e.rms) },
+            max: TrainAndHeldOut { train: errors.max, held_out: held_out.map(|e| e.max) },
+            products: made.material.components.len(),
+            samples: learned.samples,
+            unconstrained_texels: made.unconstrained.iter().filter(|u| **u).count(),
+            smoothed_texels: made.smoothed_texels,
+            contradicted_cells: made.contradictions.count(),
+            passed_over: learned.passed_over,
+            skipped: learned.skipped,
+            clamped: learned.clamped,
+            bytes,
+            seconds,
+            settings: learned.settings,
+            notes,
+        }
+    }
 }

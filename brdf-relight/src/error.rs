@@ -28,6 +28,17 @@ pub enum RelightError {
         /// Expected content.
         expected: &'static str,
     },
+    /// A number of terms that an object does not have.
+    #[error("{asked} terms; expected 1 to {most}")]
+    Terms {
+        /// Number asked for.
+        asked: usize,
+        /// Number of terms of the object.
+        most: usize,
+    },
+    /// Coefficients asked of an object that shares components.
+    #[error("components of clusters; expected wavelets of each vertex")]
+    NotWavelets,
     /// The factorization.
     #[error(transparent)]
     Separable(#[from] SeparableError),

@@ -66,6 +66,7 @@ mod store;
 mod surface;
 mod sweep;
 mod transport;
+mod turntable;
 mod visibility;
 
 pub use clustered::ClusteredTransport;
@@ -77,7 +78,7 @@ pub use factor::{LightMaps, MapParams, factor_for_relighting};
 pub use frame::tangent_frame;
 pub use light::{CubeLight, CubeLightSampler, LightRule, LitCoefficients};
 pub use maps::{BrdfMaps, MapStack};
-pub use object::{ObjectParams, ObjectPrecomputation, RelightRecord};
+pub use object::{ObjectParams, ObjectPrecomputation, PrecomputeReport, RelightRecord};
 pub use orbit::Orbit;
 pub use precompute::{Chunk, Codec, Precomputation, PrecomputeParams};
 pub use raster::{RenderParams, render};
@@ -86,8 +87,9 @@ pub use scene::{Part, RelitScene};
 pub use speed::{Speed, SpeedParams, SpeedReport, measure_speed};
 pub use store::{Codes, SparseTransport, Transport, VERTEX_BLOCK};
 pub use surface::Surface;
-pub use sweep::{Sweep, Vary, sweep};
+pub use sweep::{Sweep, SweepReport, SweptNumbers, Vary, sweep};
 pub use transport::{CubeDirections, ShadingPoint, SparseVectors, TransportWorkspace};
+pub use turntable::{Turn, TurntableParams, TurntableReport, turntable};
 pub use visibility::{Quality, Visibility};
 
 #[cfg(doctest)]

@@ -14,6 +14,7 @@ use crate::maps::BrdfMaps;
 use crate::precompute::{Chunk, Codec, Precomputation, PrecomputeParams};
 use crate::ray_packet::Occluder;
 use crate::scene::Part;
+use crate::store::Transport;
 use crate::surface::Surface;
 
 /// What the ground reflects.
@@ -45,6 +46,61 @@ pub struct RelightRecord {
     pub maps: MapParams,
     /// Options of the precomputation of transport.
     pub precompute: PrecomputeParams,
+}
+
+/// What a precomputation came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PrecomputeReport {
+    /// The file that was written.
+    pub output: String,
+    /// Vertices, those of the ground included.
+    pub vertices: usize,
+    /// Vertices of them that an interrupted run had made.
+    pub resumed: usize,
+    /// Terms of the object's BRDF.
+    pub terms: usize,
+    /// Wavelet coefficients that are stored.
+    pub entries: usize,
+    /// Components of clusters.
+    pub components: usize,
+    /// Bytes of transport.
+    pub transport_bytes: usize,
+    /// Bytes of the file.
+    pub bytes: usize,
+    /// Time it took.
+    pub seconds: f64,
+    /// How it was made.
+    pub made: RelightRecord,
+}
+
+impl PrecomputeReport {
+    /// Returns the report of parts that were written to a file of so many bytes.
+    pub fn new(
+        output: &str,
+        parts: &[Part<'_>],
+        resumed: usize,
+        bytes: usize,
+        seconds: f64,
+        made: RelightRecord,
+    ) -> Self {
+        let sum = |count: fn(&Part<'_>) -> usize| parts.iter().map(count).sum();
+        Self {
+            output: output.to_owned(),
+            vertices: sum(|part| part.surface.positions.len()),
+            resumed,
+            terms: parts.first().map_or(0, |part| part.maps.terms),
+            entries: sum(|part| part.transport.entries()),
+            components: sum(|part| match &part.transport {
+                Transport::Wavelets(_) => 0,
+                Transport::Clusters(clustered) => clustered.components(),
+            }),
+            transport_bytes: sum(|part| part.transport.bytes()),
+            bytes,
+            seconds,
+            made,
+        }
+    }
 }
 
 /// The precomputation of an object and its ground, in pieces that do not need each other: it can be interrupted and

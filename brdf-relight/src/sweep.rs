@@ -4,6 +4,7 @@ use brdf_image::{Film, Pixel};
 use brdf_job::Job;
 use brdf_mesh::Mesh;
 use brdf_model::Brdf;
+use serde::Serialize;
 
 use crate::error::RelightError;
 use crate::exact::exact_part;
@@ -43,12 +44,61 @@ pub struct Sweep {
     pub relative_rms: Vec<f64>,
 }
 
+/// The numbers of terms or coefficients of a sweep.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SweptNumbers {
+    /// Numbers of terms.
+    Terms(Vec<usize>),
+    /// Numbers of wavelet coefficients of each vertex and term.
+    Coefficients(Vec<usize>),
+}
+
+impl SweptNumbers {
+    /// Returns what is counted.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Terms(_) => "terms",
+            Self::Coefficients(_) => "coefficients",
+        }
+    }
+
+    /// Returns the numbers.
+    pub fn values(&self) -> &[usize] {
+        match self {
+            Self::Terms(values) | Self::Coefficients(values) => values,
+        }
+    }
+}
+
+/// `report.json` of a sweep. The first key marks the folder as ours.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SweepReport {
+    /// Version of the program.
+    pub brdf: String,
+    /// The object's file, as it was given.
+    pub object: String,
+    /// The material, without folders.
+    pub material: String,
+    /// The environment, without folders.
+    pub env: String,
+    /// Factor from linear values to what the pictures show as white.
+    pub exposure: f64,
+    /// The numbers, under the name of what is counted.
+    #[serde(flatten)]
+    pub numbers: SweptNumbers,
+    /// Errors of the pictures, relative to brute force.
+    pub relative_rms: Vec<f64>,
+}
+
 /// Renders pictures with each of several numbers of terms or coefficients, and one by brute force.
 ///
 /// # Errors
 ///
-/// [`RelightError::Transport`] for a number of terms that the object does not have, and coefficients of an object
-/// that has components of clusters; [`RelightError::Stopped`].
+/// [`RelightError::Terms`] for a number of terms that the object does not have; [`RelightError::NotWavelets`] for
+/// coefficients of an object that has components of clusters; [`RelightError::Stopped`].
 pub fn sweep(
     parts: &[Part<'_>],
     mesh: &Mesh,
@@ -87,14 +137,11 @@ fn cut<'a>(
     vary: Vary<'_>,
     value: usize,
 ) -> Result<Vec<Part<'a>>, RelightError> {
-    let refusal = |found: String, expected| RelightError::Transport { found, expected };
     if matches!(vary, Vary::Terms(_)) {
         let most = parts.first().map_or(0, |part| part.maps.terms);
         return match (1..=most).contains(&value) {
             true => Ok(parts.to_vec()),
-            false => {
-                Err(refusal(format!("{value} of 1 to {most} terms"), "numbers of terms it has"))
-            }
+            false => Err(RelightError::Terms { asked: value, most }),
         };
     }
     let cut = parts.iter().map(|part| match &part.transport {
@@ -103,9 +150,7 @@ fn cut<'a>(
             part.transport = Transport::Wavelets(sparse.largest(value));
             Ok(part)
         }
-        Transport::Clusters(_) => {
-            Err(refusal("components of clusters".to_owned(), "wavelets of each vertex"))
-        }
+        Transport::Clusters(_) => Err(RelightError::NotWavelets),
     });
     cut.collect()
 }

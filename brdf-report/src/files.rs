@@ -29,3 +29,15 @@ impl ResultFile {
         Ok(Self::new(name, serde_json::to_string_pretty(record)?.into_bytes()))
     }
 }
+
+/// Returns a record as indented JSON with its keys in alphabetical order, and a line feed at its end.
+///
+/// # Errors
+///
+/// [`serde_json::Error`] for a record that is no JSON.
+pub fn sorted_json(record: &impl Serialize) -> Result<String, serde_json::Error> {
+    // Values keep their keys sorted; structs, in the order of their fields.
+    let mut json = serde_json::to_string_pretty(&serde_json::to_value(record)?)?;
+    json.push('\n');
+    Ok(json)
+}

@@ -1,7 +1,8 @@
 //! Reports for people: folders of results with a self-contained page, figures, and notes as sentences.
 //!
 //! Libraries return numbers and typed notes; this crate turns them into pages, pictures and words. It writes nothing:
-//! [`factored_files`], [`separable_files`] and [`study_files`] return the files of a folder.
+//! [`factored_files`], [`separable_files`], [`study_files`], [`paint_files`] and [`sweep_files`] return the files of a
+//! folder.
 
 mod error;
 mod factored;
@@ -12,6 +13,7 @@ mod numbers;
 mod page;
 mod paint;
 mod rates;
+mod relight;
 mod separable;
 mod separable_view;
 mod spheres;
@@ -23,13 +25,18 @@ pub use factored::{factored_files, kept_files};
 pub use figures::{
     error_chart, factored_textures_plot, rank_error_plot, separable_textures_plot, spectrum_plot,
 };
-pub use files::ResultFile;
+pub use files::{ResultFile, sorted_json};
 pub use notes::{fit_note, paint_note};
 pub use numbers::{bytes, or_dash, percent, significant};
 pub use paint::{PaintedView, paint_files};
 pub use rates::{rate_csv, rate_plot};
+pub use relight::{sweep_captions, sweep_files};
 pub use separable::separable_files;
 pub use separable_view::{Side, term_view};
 pub use spheres::line_up;
 pub use study::study_files;
 pub use texture_view::{MASKED_OUT, texture_view};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDocTests;

@@ -7,7 +7,7 @@ use brdf_render::{DirectionalLight, Light, SphereView, render_sphere};
 use maud::html;
 
 use crate::error::ReportError;
-use crate::files::ResultFile;
+use crate::files::{ResultFile, sorted_json};
 use crate::page::{document, picture};
 
 /// A view that was painted.
@@ -44,10 +44,11 @@ pub fn paint_files<E: From<ReportError>>(
         shown.push((format!("{name}{held}"), strip));
     }
     pictures(made, report, &mut files, &mut shown)?;
-    files.push(ResultFile::new("report.html", page(report, &shown).into_bytes()));
-    let mut json = ResultFile::json("report.json", report).map_err(ReportError::from)?;
-    json.bytes.push(b'\n');
-    files.push(json);
+    let settings = sorted_json(&report.settings).map_err(ReportError::from)?;
+    let page = page(report, &shown, settings.trim_end());
+    files.push(ResultFile::new("report.html", page.into_bytes()));
+    let json = sorted_json(report).map_err(ReportError::from)?;
+    files.push(ResultFile::new("report.json", json.into_bytes()));
     Ok(files)
 }
 
@@ -81,7 +82,7 @@ fn pictures(
     Ok(())
 }
 
-fn page(report: &PaintReport, pictures: &[(String, Vec<u8>)]) -> String {
+fn page(report: &PaintReport, pictures: &[(String, Vec<u8>)], settings: &str) -> String {
     let held_out = report.rms.held_out.map_or_else(|| "null".to_owned(), |rms| rms.to_string());
     document(
         "painted material",
@@ -95,7 +96,7 @@ fn page(report: &PaintReport, pictures: &[(String, Vec<u8>)]) -> String {
                 figure { (picture(bytes, caption)) figcaption { (caption) } }
             }
             h2 { "Settings" }
-            pre { (serde_json::to_string_pretty(&report.settings).unwrap_or_default()) }
+            pre { (settings) }
         },
     )
 }

@@ -332,6 +332,7 @@ fn a_stopped_search_returns_a_model() {
             };
             assert_eq!(outcome.stopped, Some(StopCause::Cancelled), "{outcome:?}");
             assert!(!outcome.terms.is_empty(), "{outcome:?}");
+            assert!(outcome.terms.iter().all(|term| term.error.is_finite()), "{outcome:?}");
             let specs = family.specs(&outcome.terms[outcome.terms.len() - 1].projections);
             assert!(factorize_terms(&training, &specs, &params()).is_ok());
         }

@@ -164,9 +164,12 @@ fn the_printed_power_iteration_fails_on_it() {
 #[test]
 fn residuals_fall_with_every_term_and_match_the_spectrum() {
     let matrix = sampled("plastic", &disc(24));
-    let fit =
-        factorize_matrix(&matrix, &SeparableParams { rank: 12, ..SeparableParams::default() }, &Job::new())
-            .unwrap();
+    let fit = factorize_matrix(
+        &matrix,
+        &SeparableParams { rank: 12, ..SeparableParams::default() },
+        &Job::new(),
+    )
+    .unwrap();
     let residuals: Vec<f64> = fit.errors.iter().map(|e| e.relative_residual).collect();
     assert!(residuals.windows(2).all(|pair| pair[1] <= pair[0]), "{residuals:?}");
     // Orthographic texels weigh alike, so that shares of energy are those of the spectrum.
@@ -203,8 +206,12 @@ fn one_product_of_the_normalized_decomposition_is_exact_for_products() {
     let fit = factorize_matrix(&matrix, &params, &Job::new()).unwrap();
     assert!(fit.errors[0].relative_residual < 1e-6, "{:?}", fit.errors);
     // A constant has rank one, and no decomposition invents more.
-    let svd = factorize_matrix(&matrix, &SeparableParams { rank: 4, ..SeparableParams::default() }, &Job::new())
-        .unwrap();
+    let svd = factorize_matrix(
+        &matrix,
+        &SeparableParams { rank: 4, ..SeparableParams::default() },
+        &Job::new(),
+    )
+    .unwrap();
     assert_eq!(svd.model.rank(), 1);
 }
 
@@ -215,7 +222,9 @@ fn nmf_models_are_never_negative_and_svd_models_ring() {
     let decomposed = |decomposition| {
         factorize_matrix(
             &matrix,
-            &SeparableParams { rank: 6, decomposition, ..SeparableParams::default() }, &Job::new())
+            &SeparableParams { rank: 6, decomposition, ..SeparableParams::default() },
+            &Job::new(),
+        )
         .unwrap()
         .model
     };
@@ -232,7 +241,9 @@ fn joint_channels_share_scalar_textures() {
     let matrix = sampled("red-plastic", &disc(20));
     let fit = factorize_matrix(
         &matrix,
-        &SeparableParams { rank: 6, joint_rgb: true, ..SeparableParams::default() }, &Job::new())
+        &SeparableParams { rank: 6, joint_rgb: true, ..SeparableParams::default() },
+        &Job::new(),
+    )
     .unwrap();
     assert_eq!((fit.model.first_channels(), fit.spectra.len()), (1, 1));
     let brdf = Preset::find("red-plastic").unwrap().brdf();
@@ -247,8 +258,12 @@ fn joint_channels_share_scalar_textures() {
 #[test]
 fn truncated_models_are_the_leading_terms() {
     let matrix = sampled("plastic", &disc(16));
-    let fit = factorize_matrix(&matrix, &SeparableParams { rank: 6, ..SeparableParams::default() }, &Job::new())
-        .unwrap();
+    let fit = factorize_matrix(
+        &matrix,
+        &SeparableParams { rank: 6, ..SeparableParams::default() },
+        &Job::new(),
+    )
+    .unwrap();
     let pair = DirectionPair::from_angles(0.4, 0.0, 0.7, 2.5);
     let mut partial = Vec::new();
     fit.model.partial_sums(&pair, |_, value| partial.push(value.g));
@@ -288,7 +303,10 @@ fn requests_that_cannot_be_met_are_refused() {
         MatrixParams { maps: [ValueTransform::Offset { a: 1e-5 }; 3], ..MatrixParams::default() };
     let matrix = BrdfMatrix::sample(&brdf, &disc(8), &logs).unwrap();
     let nmf = SeparableParams { decomposition: Decomposition::Nmf, ..SeparableParams::default() };
-    assert!(matches!(factorize_matrix(&matrix, &nmf, &Job::new()), Err(SeparableError::Negative { .. })));
+    assert!(matches!(
+        factorize_matrix(&matrix, &nmf, &Job::new()),
+        Err(SeparableError::Negative { .. })
+    ));
 }
 
 #[test]

@@ -25,7 +25,8 @@ fn evaluation_matches_the_reference_evaluator() {
         ) else {
             return;
         };
-        let measurement = read(&MappedFile::open(&material).unwrap(), &ReadOptions::default()).unwrap();
+        let measurement =
+            read(&MappedFile::open(&material).unwrap(), &ReadOptions::default()).unwrap();
         let brdf = measurement.measured.brdf();
         let mut worst = 0.0_f64;
         for line in fs::read_to_string(golden).unwrap().lines().skip(1) {

@@ -11,15 +11,14 @@ use brdf_files::OutputFolder;
 use brdf_io::ReadOptions;
 use brdf_mesh::UvSource;
 use brdf_paint::{
-    Extraction, LearnParams, Mode, PaintErrors, PaintLogTransform, PaintNote, PaintParams,
-    PaintRecord, PaintReport, PictureInfo, SolverChoice, TrainAndHeldOut, learn, truth_errors,
+    LearnParams, Mode, PaintErrors, PaintLogTransform, PaintParams, PaintRecord, PaintReport,
+    PaintedMaterial, SolverChoice, learn, truth_errors,
 };
-use brdf_report::{
-    PaintedView, ResultFile, bytes as shown_bytes, paint_files, paint_note, significant,
-};
+use brdf_report::{PaintedView, ResultFile, bytes as shown_bytes, paint_files, significant};
 use clap::ValueEnum;
 
 use super::setup::blended;
+use crate::advice::paint_notes;
 use crate::args::{positive, usage, write_all};
 use crate::meshes::open_mesh;
 use crate::progress::Watch;
@@ -158,21 +157,7 @@ impl Extract {
                 found.missing.first().map_or("view00", String::as_str)
             );
         }
-        let pictures: Vec<PictureInfo> = found
-            .painted
-            .iter()
-            .map(|painting| {
-                let view = &views[painting.view];
-                let is_exr =
-                    painting.picture.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-                PictureInfo {
-                    name: view.name.clone(),
-                    white: view.white,
-                    may_be_saturated: view.has_shadows && !is_exr,
-                    is_held_out: self.hold_out.contains(&view.name),
-                }
-            })
-            .collect();
+        let pictures = scene.infos(&found.painted, &self.hold_out);
         let settings = self.params(scene.scene.uv == UvSource::Sphere);
         #[expect(clippy::cast_possible_truncation, reason = "at most 1e8")]
         let params = LearnParams {
@@ -182,50 +167,30 @@ impl Extract {
         };
         let load = |index: usize| -> anyhow::Result<_> { Ok(scene.load(&found.painted[index])?) };
         let watch = Watch::start();
-        let learned = watch.run(|job| learn(&pictures, &load, &params, job))?;
-        watch.step("drawing pictures");
-        let mut notes = Vec::new();
-        if !found.missing.is_empty() {
-            notes.push(format!("not painted: {}", found.missing.join(", ")));
-        }
-        let strange = found.strange.iter();
-        notes.extend(strange.map(|path| format!("{}: of no view, not used", path.display())));
-        notes.extend(learned.notes.iter().map(|note| match note {
-            PaintNote::Saturated { picture, .. } => {
-                format!("{}: {}", found.painted[*picture].picture.display(), paint_note(note))
-            }
-            _ => paint_note(note),
-        }));
-        let made = &learned.extraction;
-        let held_out = learned.held_out.or_else(|| {
-            self.truth_errors(&scene, made).unwrap_or_else(|error| {
+        let mut learned = watch.run(|job| learn(&pictures, &load, &params, job))?;
+        let mut notes = paint_notes(&found, &learned.notes);
+        if learned.held_out.is_none() {
+            watch.step("judging");
+            let material = &learned.extraction.material;
+            match watch.aside(|| self.truth_errors(&scene, material)) {
+                Ok(errors) => learned.held_out = errors,
                 // What was made is worth keeping without being judged.
-                notes.push(format!("no held-out views: {error:#}"));
-                None
-            })
-        });
+                Err(error) => notes.push(format!("no held-out views: {error:#}")),
+            }
+        }
+        watch.step("drawing pictures");
+        let made = &learned.extraction;
         let record = PaintRecord { settings, uv: scene.scene.uv };
         let bytes = write_painted(&PaintedFile { material: made.material.clone(), record })?;
-        let texels = made.unconstrained.iter().filter(|u| **u).count();
-        let report = PaintReport {
-            brdf: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: self.scene.to_string_lossy().into_owned(),
-            output: self.output.to_string_lossy().into_owned(),
-            rms: TrainAndHeldOut { train: made.errors.rms, held_out: held_out.map(|e| e.rms) },
-            max: TrainAndHeldOut { train: made.errors.max, held_out: held_out.map(|e| e.max) },
-            products: made.material.components.len(),
-            samples: learned.samples,
-            unconstrained_texels: texels,
-            smoothed_texels: made.smoothed_texels,
-            contradicted_cells: made.contradictions.count(),
-            passed_over: learned.passed_over,
-            skipped: learned.skipped,
-            clamped: learned.clamped,
-            bytes: bytes.len(),
-            seconds: start.elapsed().as_secs_f64(),
-            settings,
+        let [from, to] = [&self.scene, &self.output].map(|path| path.to_string_lossy());
+        let report = PaintReport::new(
+            env!("CARGO_PKG_VERSION"),
+            [&from, &to],
+            &learned,
+            bytes.len(),
+            start.elapsed().as_secs_f64(),
             notes,
-        };
+        );
         let views = pictures.iter().enumerate().map(|(index, info)| {
             let (buffers, image) = load(index)?;
             let (name, is_held_out) = (info.name.clone(), info.is_held_out);
@@ -255,7 +220,7 @@ impl Extract {
     fn truth_errors(
         &self,
         scene: &SceneFolder,
-        made: &Extraction,
+        material: &PaintedMaterial,
     ) -> anyhow::Result<Option<PaintErrors>> {
         let scene = &scene.scene;
         let Some(record) = &scene.truth else { return Ok(None) };
@@ -267,7 +232,6 @@ impl Extract {
             .collect::<Result<_, _>>()?;
         let mut truth = blended(&files).context("expected three materials")?;
         truth.scale = record.scale;
-        let material = &made.material;
         Ok(Some(truth_errors(&truth, &mesh, scene.size, self.least_cosine, material)?))
     }
 

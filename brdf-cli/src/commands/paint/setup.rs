@@ -17,6 +17,7 @@ use brdf_paint::{
     GroundTruth, PaintView, PreparedView, SetupReport, TruthRecord, prepare, spiral_views,
     vertex_views,
 };
+use brdf_report::sorted_json;
 
 use crate::args::{resolution, usage};
 use crate::meshes::{UvArg, open_mesh};
@@ -128,7 +129,7 @@ impl Setup {
             uv: scene.uv,
             truth: scene.truth.clone(),
         };
-        let report = serde_json::to_string_pretty(&report)? + "\n";
+        let report = sorted_json(&report)?;
         folder.write("report.json", report.as_bytes())?;
         folder.finish()?;
         if self.json {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use brdf_relight::{SpeedParams, SpeedReport, measure_speed};
-use brdf_report::bytes as shown_bytes;
+use brdf_report::{bytes as shown_bytes, sorted_json};
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
 use crate::progress::Watch;
@@ -42,7 +42,7 @@ impl Bench {
         let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);
         let params = SpeedParams {
             environment: &environment,
-            rotation: self.light.rotation(0.0),
+            rotation: self.light.rotation(),
             rule: self.light.rule(),
             orbit: self.shot.orbit(),
             frames: self.frames,
@@ -54,7 +54,7 @@ impl Bench {
         let bytes = file.parts.iter().map(|part| part.transport.bytes()).sum();
         let report = SpeedReport { speed, bytes, file_bytes: loaded.len() };
         if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
+            out.write_all(sorted_json(&report)?.as_bytes())?;
             return Ok(ExitCode::SUCCESS);
         }
         writeln!(out, "precomputation {:.1} s, {}", speed.precompute_s, shown_bytes(bytes))?;

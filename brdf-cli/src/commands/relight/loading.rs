@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use brdf_container::{RelightFile, read_relight};
 use brdf_files::MappedFile;
 use brdf_mesh::Mesh;
-use brdf_relight::{CubeLight, CubeLightSampler, LightRule, LitCoefficients, Orbit};
+use brdf_relight::{CubeLight, CubeLightSampler, LightRule, Orbit};
 use brdf_render::Environment;
 use clap::ValueEnum;
 
@@ -79,13 +79,13 @@ impl LightArgs {
         name.to_string_lossy().into_owned()
     }
 
-    /// The turn that was asked for and `more` degrees, in radians.
-    pub(super) fn rotation(&self, more: f64) -> f64 {
-        (self.rotate_deg + more).to_radians()
+    /// The turn of the environment, in radians.
+    pub(super) fn rotation(&self) -> f64 {
+        self.rotate_deg.to_radians()
     }
 
     pub(super) fn light(&self) -> anyhow::Result<CubeLight> {
-        Ok(CubeLightSampler::default().light(&self.environment()?, self.rotation(0.0)))
+        Ok(CubeLightSampler::default().light(&self.environment()?, self.rotation()))
     }
 
     pub(super) fn rule(&self) -> LightRule {
@@ -94,10 +94,6 @@ impl LightArgs {
             RuleArg::Paper => LightRule::Paper,
             RuleArg::All => LightRule::All,
         }
-    }
-
-    pub(super) fn coefficients(&self, light: &CubeLight) -> LitCoefficients {
-        light.coefficients(self.rule())
     }
 }
 

@@ -10,12 +10,11 @@ use brdf_container::{MaterialFile, read_piece, write_piece, write_relight};
 use brdf_files::{ChunkLog, check_overwrite, write_atomically};
 use brdf_io::ReadOptions;
 use brdf_relight::{
-    Codec, LightMaps, MapParams, ObjectParams, ObjectPrecomputation, PrecomputeParams, Quality,
-    RelightRecord, Transport,
+    Codec, LightMaps, MapParams, ObjectParams, ObjectPrecomputation, PrecomputeParams,
+    PrecomputeReport, Quality, RelightRecord,
 };
-use brdf_report::bytes as shown_bytes;
+use brdf_report::{bytes as shown_bytes, sorted_json};
 use clap::ValueEnum;
-use serde_json::json;
 
 use crate::args::{ForceArgs, not_negative, usage};
 use crate::meshes::open_mesh;
@@ -134,14 +133,14 @@ impl Precompute {
         let (maps, precompute) = (self.map_params(), self.params()?);
         let params = ObjectParams { maps, precompute, has_ground: self.ground };
         let watch = Watch::start();
-        let mut work =
-            watch.run(|job| ObjectPrecomputation::new(&mesh, material.brdf(), params, job))?;
-        let vertices = work.vertices();
-        let (mut log, resumed) = self.log(&beside(&self.output), &mut work)?;
-        watch.run(|job| {
-            work.run(job, &mut |piece, chunk| -> anyhow::Result<()> {
+        let (work, log, resumed) = watch.run(|job| -> anyhow::Result<_> {
+            let [factoring, looking] = job.split([0.1, 1.0]);
+            let mut work = ObjectPrecomputation::new(&mesh, material.brdf(), params, &factoring)?;
+            let (mut log, resumed) = watch.aside(|| self.log(&beside(&self.output), &mut work))?;
+            work.run(&looking, &mut |piece, chunk| -> anyhow::Result<()> {
                 Ok(log.append(&write_piece(piece, chunk))?)
-            })
+            })?;
+            Ok((work, log, resumed))
         })?;
         watch.step("ordering");
         let parts = work.finish()?;
@@ -155,31 +154,18 @@ impl Precompute {
         write_atomically(&self.output, &bytes, self.force.overwrite())?;
         log.remove()?;
         drop(watch);
-        let transport: usize = parts.iter().map(|part| part.transport.bytes()).sum();
-        let entries: usize = parts.iter().map(|part| part.transport.entries()).sum();
-        let components: usize = parts
-            .iter()
-            .map(|part| match &part.transport {
-                Transport::Wavelets(_) => 0,
-                Transport::Clusters(clustered) => clustered.components(),
-            })
-            .sum();
+        let output = self.output.to_string_lossy();
         let seconds = start.elapsed().as_secs_f64();
+        let report = PrecomputeReport::new(&output, &parts, resumed, bytes.len(), seconds, record);
         if self.json {
-            let report = json!({
-                "output": self.output, "vertices": vertices, "resumed": resumed,
-                "terms": parts[0].maps.terms, "entries": entries, "components": components,
-                "transport_bytes": transport,
-                "bytes": bytes.len(), "seconds": seconds, "made": record,
-            });
-            writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
+            out.write_all(sorted_json(&report)?.as_bytes())?;
         } else {
             writeln!(
                 out,
-                "{}: {}, {vertices} vertices, {} terms, {seconds:.1} s",
-                self.output.display(),
-                shown_bytes(bytes.len()),
-                parts[0].maps.terms
+                "{output}: {}, {} vertices, {} terms, {seconds:.1} s",
+                shown_bytes(report.bytes),
+                report.vertices,
+                report.terms
             )?;
         }
         Ok(ExitCode::SUCCESS)

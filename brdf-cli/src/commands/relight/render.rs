@@ -49,7 +49,7 @@ impl Render {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let mesh = mesh_of(&file)?;
-        let lit = self.light.coefficients(&self.light.light()?);
+        let lit = self.light.light()?.coefficients(self.light.rule());
         let mut relit = RelitScene::default();
         relit.relight(&file.parts, &lit);
         let shot = self.shot.orbit().render_params(&mesh, 0.0);

@@ -4,18 +4,15 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Context as _;
 use brdf_container::MaterialFile;
 use brdf_files::OutputFolder;
-use brdf_image::{Panel, ToneMap, encode_png, strip};
+use brdf_image::ToneMap;
 use brdf_io::ReadOptions;
-use brdf_plot::{Curves, Scale, Series, plot_curves};
-use brdf_relight::{Vary, sweep};
-use brdf_report::significant;
-use serde_json::json;
+use brdf_relight::{RelightError, SweepReport, SweptNumbers, Vary, sweep};
+use brdf_report::{sweep_captions, sweep_files};
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
-use crate::args::positive;
+use crate::args::{positive, usage, write_all};
 use crate::progress::Watch;
 
 /// Show what fewer terms, or fewer coefficients, do to a picture
@@ -74,56 +71,39 @@ impl Sweep {
         let mesh = mesh_of(&file)?;
         let (light, shot) = (self.light.light()?, self.shot.orbit().render_params(&mesh, 0.0));
         let mut folder = OutputFolder::new(&self.output, self.force)?;
-        let (what, values) = match self.terms.is_empty() {
-            false => ("terms", &self.terms),
-            true => ("coefficients", &self.coefficients),
-        };
-        let vary = match self.terms.is_empty() {
-            false => Vary::Terms(subject.brdf()),
-            true => Vary::Coefficients,
+        let (vary, numbers) = match self.terms.is_empty() {
+            false => (Vary::Terms(subject.brdf()), SweptNumbers::Terms(self.terms)),
+            true => (Vary::Coefficients, SweptNumbers::Coefficients(self.coefficients)),
         };
         let watch = Watch::start();
-        let light = (&light, self.light.rule());
-        let swept = watch
-            .run(|job| sweep(&file.parts, &mesh, vary, values, light, &shot, job))
-            .with_context(|| self.object.display().to_string())?;
-        drop(watch);
-        let (films, wanted, errors) = (&swept.films, &swept.exact, &swept.relative_rms);
-        let tone = self
-            .exposure
-            .map_or_else(|| ToneMap::exposed_for(wanted), |exposure| ToneMap { exposure });
-        let caption =
-            |value: &usize, error: &f64| format!("{what}: {value}, RMS {}", significant(*error));
-        let mut panels: Vec<Panel> = values
-            .iter()
-            .zip(errors)
-            .zip(films)
-            .map(|((value, error), film)| Panel {
-                picture: tone.apply(film),
-                caption: caption(value, error),
-            })
-            .collect();
-        panels.push(Panel { picture: tone.apply(wanted), caption: "brute force".to_owned() });
-        folder.write("strip.png", &encode_png(&strip(&panels))?)?;
-        let points = values.iter().map(|v| *v as f64).zip(errors.iter().copied()).collect();
-        let curves = Curves {
-            title: format!("{} of {}", subject.short_name(), file.record.mesh),
-            x: what.to_owned(),
-            y: "relative RMS of the picture".to_owned(),
-            y_scale: Scale::Log,
-            series: vec![Series::new(self.light.name(), points)],
+        let (light, object) = ((&light, self.light.rule()), self.object.to_string_lossy());
+        let swept =
+            watch.run(|job| sweep(&file.parts, &mesh, vary, numbers.values(), light, &shot, job));
+        let swept = swept.map_err(|error| match error {
+            RelightError::Terms { asked, most } => {
+                usage(format!("{asked} terms; {object} has 1 to {most}"))
+            }
+            RelightError::NotWavelets => usage(format!(
+                "{object}: has components of clusters; expected one of `precompute --codec wavelet`"
+            )),
+            other => other.into(),
+        })?;
+        let usual = || ToneMap::exposed_for(&swept.exact).exposure;
+        let report = SweepReport {
+            brdf: env!("CARGO_PKG_VERSION").to_owned(),
+            object: object.into_owned(),
+            material: subject.short_name(),
+            env: self.light.name(),
+            exposure: self.exposure.unwrap_or_else(usual),
+            numbers,
+            relative_rms: swept.relative_rms.clone(),
         };
-        folder.write("errors.svg", plot_curves(&[curves], 1)?.svg().as_bytes())?;
-        let report = json!({
-            "brdf": env!("CARGO_PKG_VERSION"), "object": self.object, "material": subject.short_name(),
-            "env": self.light.name(), "exposure": tone.exposure, what: values, "relative_rms": errors,
-        });
-        folder.write("report.json", (serde_json::to_string_pretty(&report)? + "\n").as_bytes())?;
+        write_all(&mut folder, &sweep_files(&report, &swept, &file.record.mesh)?)?;
         folder.finish()?;
-        for (value, error) in values.iter().zip(errors) {
-            writeln!(std::io::stderr(), "{}", caption(value, error))?;
-        }
-        writeln!(std::io::stderr(), "{}", self.output.display())?;
+        drop(watch);
+        let mut err = std::io::stderr();
+        sweep_captions(&report).iter().try_for_each(|caption| writeln!(err, "{caption}"))?;
+        writeln!(err, "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
     }
 }

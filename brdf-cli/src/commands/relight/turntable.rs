@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use brdf_files::OutputFolder;
-use brdf_image::{ToneMap, encode_png};
-use brdf_relight::{CubeLightSampler, RelitScene, render};
+use brdf_image::encode_png;
+use brdf_relight::{Turn, TurntableParams, TurntableReport, turntable};
+use brdf_report::sorted_json;
 use clap::ValueEnum;
-use serde_json::json;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
 use crate::args::positive;
@@ -64,36 +64,34 @@ impl Turntable {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);
-        let sampler = CubeLightSampler::default();
+        let params = TurntableParams {
+            environment: &environment,
+            rotation: self.light.rotation(),
+            rule: self.light.rule(),
+            orbit: self.shot.orbit(),
+            frames: self.frames,
+            turn: match self.turn {
+                TurnArg::View => Turn::View,
+                TurnArg::Light => Turn::Light,
+            },
+            exposure: self.exposure,
+        };
         let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let mut take = |frame: u32, picture| -> anyhow::Result<()> {
+            let name = format!("frame-{:03}.png", frame + 1);
+            Ok(folder.write(&name, &encode_png(&picture)?)?)
+        };
         let watch = Watch::start();
-        let orbit = self.shot.orbit();
-        let (mut relit, mut tone) =
-            (RelitScene::default(), self.exposure.map(|exposure| ToneMap { exposure }));
-        for frame in 0..self.frames {
-            watch.step(format!("frame {} of {}", frame + 1, self.frames));
-            let angle = 360.0 * f64::from(frame) / f64::from(self.frames);
-            let [view, light] = match self.turn {
-                TurnArg::View => [angle, 0.0],
-                TurnArg::Light => [0.0, angle],
-            };
-            if frame == 0 || self.turn == TurnArg::Light {
-                let light = sampler.light(&environment, self.light.rotation(light));
-                relit.relight(&file.parts, &self.light.coefficients(&light));
-            }
-            let (film, _) =
-                render(&file.parts, &relit, &orbit.render_params(&mesh, view.to_radians()));
-            let tone = *tone.get_or_insert_with(|| ToneMap::exposed_for(&film));
-            folder
-                .write(&format!("frame-{:03}.png", frame + 1), &encode_png(&tone.apply(&film))?)?;
-        }
-        let report = json!({
-            "brdf": env!("CARGO_PKG_VERSION"), "object": self.object, "frames": self.frames,
-            "exposure": tone.map(|tone| tone.exposure),
-        });
-        folder.write("report.json", (serde_json::to_string_pretty(&report)? + "\n").as_bytes())?;
-        folder.finish()?;
+        let exposure = watch.run(|job| turntable(&file.parts, &mesh, &params, job, &mut take))?;
         drop(watch);
+        let report = TurntableReport {
+            brdf: env!("CARGO_PKG_VERSION").to_owned(),
+            object: self.object.to_string_lossy().into_owned(),
+            frames: self.frames,
+            exposure,
+        };
+        folder.write("report.json", sorted_json(&report)?.as_bytes())?;
+        folder.finish()?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
         Ok(ExitCode::SUCCESS)
     }
