@@ -9,13 +9,13 @@
 
 use std::path::PathBuf;
 
+use brdf_container::MaterialFile;
 use brdf_factor::{FactorParams, FactorSpec, Problem, TermSolve, factorize, factorize_terms};
-use brdf_io::{Measured, ReadOptions, open_measurement};
+use brdf_io::ReadOptions;
+use brdf_job::Job;
 use brdf_model::{Channels, PairSampling, Preset, SampleSet, log_offsets, measure};
 use brdf_param::{Bound, Space};
-use brdf_search::{
-    Control, Family, GreedyParams, JointParams, SearchOutcome, search_greedy, search_joint,
-};
+use brdf_search::{Family, GreedyParams, JointParams, SearchOutcome, search_greedy, search_joint};
 
 const SPACES: [(Space, &str); 2] = [(Space::Standard, "std"), (Space::HalfDifference, "h/d")];
 
@@ -111,17 +111,17 @@ fn errors(
     terms: usize,
     joint: bool,
 ) -> anyhow::Result<Vec<f64>> {
-    let none = Control::default();
+    let job = Job::new();
     let (params, found): (FactorParams, SearchOutcome) = if joint {
         let params = params(Bound::Disc, 1e-4, TermSolve::All);
         let search = JointParams { terms, ..JointParams::default() };
-        (params, search_joint(&Problem::new(samples, &params)?, family, &search, none)?)
+        (params, search_joint(&Problem::new(samples, &params)?, family, &search, &job)?)
     } else {
         let params = params(Bound::Cube, 1e-3, TermSolve::Last(2));
         let search = GreedyParams { terms, restarts: 4, ..GreedyParams::default() };
         // A third of the samples is enough to find planes; textures are solved on all.
         let problem = Problem::new(samples, &params)?.subset(16_384);
-        (params, search_greedy(&problem, family, &search, none)?)
+        (params, search_greedy(&problem, family, &search, &job)?)
     };
     let specs: Vec<Vec<FactorSpec>> =
         found.terms.iter().map(|term| family.specs(&term.projections)).collect();
@@ -156,9 +156,8 @@ fn cornell(name: &str) -> anyhow::Result<Option<SampleSet>> {
         println!("{name}: skipped, {} is missing; set BRDF_DATA", path.display());
         return Ok(None);
     }
-    let Measured::Samples(rows) = open_measurement(&path, &ReadOptions::default())?.measured else {
-        return Ok(None);
-    };
-    let rows = rows.samples().to_luminance().within(FactorParams::default().theta_max);
+    let rows = MaterialFile::open(&path.to_string_lossy(), &ReadOptions::default())?;
+    let Some(rows) = rows.samples() else { return Ok(None) };
+    let rows = rows.to_luminance().within(FactorParams::default().theta_max);
     Ok(Some(rows.replicated(32, false).shuffled(1)))
 }
