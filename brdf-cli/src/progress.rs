@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 use std::fmt::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use brdf_job::{Cancel, Job, Progress};
@@ -11,10 +13,12 @@ use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 const LENGTH: f64 = 10_000.0;
 
 /// Shows the progress of a command's jobs on standard error if that is a terminal, and asks them to stop at the first
-/// Ctrl-C; the second ends the program. A command has one.
+/// Ctrl-C; the second ends the program, and so does the first where no job is going on. A command has one.
 pub(crate) struct Watch {
     bar: ProgressBar,
     cancel: Cancel,
+    /// Whether work is going on that looks at `cancel`.
+    is_watched: Arc<AtomicBool>,
 }
 
 impl Watch {
@@ -25,14 +29,15 @@ impl Watch {
         }
         bar.enable_steady_tick(Duration::from_millis(120));
         let cancel = Cancel::new();
-        let flag = cancel.clone();
+        let is_watched = Arc::new(AtomicBool::new(false));
+        let (flag, watched) = (cancel.clone(), Arc::clone(&is_watched));
         // Without a handler Ctrl-C simply ends the program, which leaves old outputs whole.
         let _ = ctrlc::set_handler(move || {
-            if flag.cancel() {
+            if !watched.load(Ordering::SeqCst) || flag.cancel() {
                 std::process::exit(130);
             }
         });
-        Self { bar, cancel }
+        Self { bar, cancel, is_watched }
     }
 
     /// Does work whose progress is shown.
@@ -42,7 +47,10 @@ impl Watch {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share")]
             self.bar.set_position((progress.fraction * LENGTH) as u64);
         };
-        work(&Job::watched_by(&show).with_cancel(&self.cancel))
+        self.is_watched.store(true, Ordering::SeqCst);
+        let done = work(&Job::watched_by(&show).with_cancel(&self.cancel));
+        self.is_watched.store(false, Ordering::SeqCst);
+        done
     }
 
     /// Does work that may print, with the progress out of its way.

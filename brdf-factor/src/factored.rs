@@ -24,6 +24,7 @@ pub struct FactorDescription {
     /// Largest radii of the coordinates over the training samples, in parabolic units.
     pub radii: DiscRadii,
     /// The extent that coordinates are divided by to give texture coordinates.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
     pub extent: DVec2,
 }
 

@@ -14,6 +14,8 @@ mod page;
 mod paint;
 mod rates;
 mod relight;
+#[cfg(feature = "schema")]
+mod schema;
 mod separable;
 mod separable_view;
 mod spheres;
@@ -31,6 +33,8 @@ pub use numbers::{bytes, or_dash, percent, significant};
 pub use paint::{PaintedView, paint_files};
 pub use rates::{rate_csv, rate_plot};
 pub use relight::{sweep_captions, sweep_files};
+#[cfg(feature = "schema")]
+pub use schema::schemas;
 pub use separable::separable_files;
 pub use separable_view::{Side, term_view};
 pub use spheres::line_up;
