@@ -255,5 +255,5 @@ fn an_inverted_matrix_serves_materials_at_the_same_places() {
     let other = fail(folder, &["factor", "rows.csv", "--with", "basis.safetensors", "-o", "y"], 1);
     assert!(other.contains("make a basis"), "{other}");
     let model = fail(folder, &["factor", "--with", "with/model.safetensors", "-o", "z"], 1);
-    assert!(model.contains("another kind"), "{model}");
+    assert!(model.contains("expected a preinverted matrix"), "{model}");
 }
