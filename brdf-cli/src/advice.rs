@@ -1,6 +1,8 @@
 //! What can be done about notes and errors, in terms of options.
 
-use brdf_container::{OpenError, Paintings};
+use std::error::Error;
+
+use brdf_container::{ContainerError, Kind, OpenError, Paintings};
 use brdf_files::FileError;
 use brdf_fit::FitNote;
 use brdf_io::{FormatError, ReadNote};
@@ -60,11 +62,21 @@ pub(crate) fn on_error(error: &anyhow::Error) -> &'static str {
     });
     match file_error {
         Some(FileError::InTheWay { .. }) => " or pass --force",
-        Some(FileError::Content { problem, .. })
-            if matches!(problem.downcast_ref(), Some(FormatError::Columns { .. })) =>
-        {
-            "; --columns MEANING=NAME,… says which they are"
-        }
+        Some(FileError::Content { problem, .. }) => on_content(problem.as_ref()),
+        _ => "",
+    }
+}
+
+fn on_content(problem: &(dyn Error + Send + Sync + 'static)) -> &'static str {
+    if let Some(FormatError::Columns { .. }) = problem.downcast_ref() {
+        return "; --columns MEANING=NAME,… says which they are";
+    }
+    let Some(ContainerError::NoBrdf { found }) = problem.downcast_ref() else { return "" };
+    match found {
+        Kind::Transport => "; expected one of the commands of `brdf relight` for it",
+        Kind::Painted => "; expected `brdf paint preview` for it",
+        Kind::Basis => "; expected `brdf factor MODEL --with` for it",
+        Kind::BtfVq | Kind::BtfLpca => "; expected one of the commands of `brdf btf` for it",
         _ => "",
     }
 }

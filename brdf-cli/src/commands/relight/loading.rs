@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use brdf_container::{RelightFile, read_relight};
-use brdf_files::MappedFile;
+use brdf_files::{FileError, MappedFile};
 use brdf_mesh::Mesh;
 use brdf_relight::{CubeLight, CubeLightSampler, LightRule, Orbit};
 use brdf_render::Environment;
@@ -19,12 +19,12 @@ pub(super) struct Loaded {
 }
 
 impl Loaded {
-    pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
+    pub(super) fn open(path: &Path) -> Result<Self, FileError> {
         Ok(Self { path: path.to_owned(), bytes: MappedFile::open(path)? })
     }
 
-    pub(super) fn parse(&self) -> anyhow::Result<RelightFile<'_>> {
-        read_relight(&self.bytes).with_context(|| self.path.display().to_string())
+    pub(super) fn parse(&self) -> Result<RelightFile<'_>, FileError> {
+        read_relight(&self.bytes).map_err(FileError::content(&self.path))
     }
 
     pub(super) fn len(&self) -> usize {
