@@ -20,6 +20,7 @@ mod separable;
 mod separable_view;
 mod spheres;
 mod study;
+mod text;
 mod texture_view;
 
 pub use error::ReportError;
@@ -39,6 +40,10 @@ pub use separable::separable_files;
 pub use separable_view::{Side, term_view};
 pub use spheres::line_up;
 pub use study::study_files;
+pub use text::{
+    comparison_measures, comparison_table, factored_text, folder_comparison_text, info_text,
+    separable_text, study_text,
+};
 pub use texture_view::{MASKED_OUT, texture_view};
 
 #[cfg(doctest)]

@@ -9,9 +9,9 @@ use brdf_container::MaterialFile;
 use brdf_files::OutputFolder;
 use brdf_job::Stopped;
 use brdf_plot::plot_parametrizations;
-use brdf_report::{percent, significant, study_files};
+use brdf_report::{study_files, study_text};
 use brdf_separable::SeparableError;
-use brdf_study::{STUDIED, StudiedMaterial, StudyParams, StudyReport, study_material};
+use brdf_study::{StudiedMaterial, StudyParams, StudyReport, study_material};
 
 use crate::args::{ReadArgs, command_line, write_all};
 use crate::progress::Watch;
@@ -100,44 +100,9 @@ impl Study {
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
         } else {
-            print(&report, out)?;
+            out.write_all(study_text(&report).as_bytes())?;
             writeln!(out, "{}", place.join("report.html").display())?;
         }
         Ok(ExitCode::SUCCESS)
     }
-}
-
-/// The verdict.
-fn print(report: &StudyReport, out: &mut impl Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{} materials, errors on {} pairs within {}°; how often each parametrization is best (median)",
-        report.materials.len(),
-        report.pairs,
-        significant(report.theta_max_deg)
-    )?;
-    let width = report.wins.iter().map(|wins| wins.figure.len()).max().unwrap_or(0);
-    write!(out, "{:width$}", "")?;
-    STUDIED.iter().try_for_each(|p| write!(out, "  {:>17}", p.name()))?;
-    writeln!(out)?;
-    for (index, wins) in report.wins.iter().enumerate() {
-        write!(out, "{:width$}", wins.figure)?;
-        for ((_, count), medians) in wins.counts.iter().zip(&report.medians) {
-            let median = significant(medians.values[index].1);
-            write!(out, "  {:>17}", format!("{count} ({median})"))?;
-        }
-        writeln!(out)?;
-    }
-    for material in report.materials.iter().filter(|m| m.is_anisotropic()) {
-        writeln!(
-            out,
-            "{}: taken to be isotropic, but differs by {} when turned",
-            material.material,
-            percent(material.anisotropy)
-        )?;
-    }
-    for reason in &report.skipped {
-        writeln!(out, "left out: {reason}")?;
-    }
-    Ok(())
 }

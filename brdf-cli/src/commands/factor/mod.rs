@@ -13,10 +13,8 @@ use std::time::Instant;
 use anyhow::Context as _;
 use brdf_container::{write_factored, write_separable};
 use brdf_files::OutputFolder;
-use brdf_fit::{
-    FactoredReport, FactoredSettings, Fit, FitSettings, Method, TermRecord, fit, preinvert,
-};
-use brdf_report::{ResultFile, bytes, factored_files, or_dash, separable_files, significant};
+use brdf_fit::{FactoredSettings, Fit, FitSettings, fit, preinvert};
+use brdf_report::{ResultFile, factored_files, factored_text, separable_files, separable_text};
 
 use self::keep::KeepArgs;
 use self::plan::SearchArgs;
@@ -176,12 +174,12 @@ impl Factor {
             Fit::Factored(fit) => {
                 let report = fit.report(&self.input, version, notes);
                 let files = factored_files(&material, fit, &report, &command)?;
-                (write_factored(&fit.model())?, files, summary(material.name(), &report))
+                (write_factored(&fit.model())?, files, factored_text(material.name(), &report))
             }
             Fit::Separable(fit) => {
                 let report = fit.report(&self.input, version, notes);
                 let files = separable_files(&material, fit, &report, &command)?;
-                (write_separable(&fit.model)?, files, separable::summary(material.name(), &report))
+                (write_separable(&fit.model)?, files, separable_text(material.name(), &report))
             }
         };
         folder.write("model.safetensors", &model)?;
@@ -219,63 +217,4 @@ impl Factor {
             channels: self.pairs.channels(),
         })
     }
-}
-
-/// What a fit says on a terminal.
-fn summary(name: &str, report: &FactoredReport) -> String {
-    let mut said = String::new();
-    let mut say = |line: String| {
-        said.push_str(&line);
-        said.push('\n');
-    };
-    say(format!(
-        "{}: {} in {} textures, {}, fitted in {} s",
-        name,
-        report.method,
-        report.terms.last().map_or(0, |term| term.textures),
-        bytes(report.bytes),
-        significant(report.seconds)
-    ));
-    let held_out = |term: &TermRecord| or_dash(term.held_out.as_ref().map(|e| e.log.mean_square));
-    if let Some(search) = &report.search {
-        say(format!(
-            "{} projections, {}, {} evaluations",
-            report.space.name(),
-            if report.settings.reciprocal { "reciprocal" } else { "not reciprocal" },
-            report.evaluations
-        ));
-        if let Some(cause) = &search.stopped {
-            say(format!("stopped early ({cause}): the best found so far"));
-        }
-    }
-    for term in &report.terms {
-        say(format!(
-            "{:>2} textures: mean square log error {}, held out {}",
-            term.textures,
-            significant(term.training.log.mean_square),
-            held_out(term)
-        ));
-    }
-    if report.method != Method::McCool {
-        let mccool = &report.baseline.mccool;
-        say(format!(
-            "McCool, {} textures: mean square log error {}, held out {}",
-            mccool.textures,
-            significant(mccool.training.log.mean_square),
-            held_out(mccool)
-        ));
-    }
-    say(format!(
-        "largest albedo {}, reference {}",
-        significant(report.albedo.model),
-        or_dash(report.albedo.reference)
-    ));
-    say(format!("samples: {} used", report.samples.used));
-    if report.samples.dropped.total() > 0 {
-        say(format!("dropped: {}", report.samples.dropped));
-    }
-    for note in &report.notes {
-        say(format!("note: {note}"));
-    }
-    said
 }

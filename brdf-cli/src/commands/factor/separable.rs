@@ -2,9 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use brdf_fit::{LogChoice, SeparableMethod, SeparableReport, SeparableSettings};
+use brdf_fit::{LogChoice, SeparableMethod, SeparableSettings};
 use brdf_param::Parametrization;
-use brdf_report::{bytes, or_dash, significant};
 use brdf_separable::{EigenSolver, Fill};
 
 use super::Factor;
@@ -188,37 +187,4 @@ impl Factor {
         }
         Ok(())
     }
-}
-
-/// What a fit says on a terminal.
-pub(super) fn summary(name: &str, report: &SeparableReport) -> String {
-    let mut said = String::new();
-    let mut say = |line: String| {
-        said.push_str(&line);
-        said.push('\n');
-    };
-    say(format!(
-        "{}: {} of {} terms, {}, {} × {} matrix, {} s",
-        name,
-        report.method,
-        report.terms.last().map_or(0, |term| term.matrix.rank),
-        bytes(report.bytes),
-        report.matrix.rows,
-        report.matrix.columns,
-        significant(report.seconds)
-    ));
-    for term in &report.terms {
-        say(format!(
-            "{:>2} terms: relative residual {}, log-cosine RMS {} over the matrix; mean square log \
-             error {} held out",
-            term.matrix.rank,
-            significant(term.matrix.relative_residual),
-            significant(term.matrix.log_cosine_rms),
-            or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
-        ));
-    }
-    for note in &report.notes {
-        say(note.clone());
-    }
-    said
 }

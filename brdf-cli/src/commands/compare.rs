@@ -1,7 +1,5 @@
 //! `brdf compare`.
 
-mod table;
-
 use std::io::{Write, stderr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,6 +10,7 @@ use brdf_fit::{
     Candidate, CompareSettings, Comparison, Distribution, FolderComparison, compare, metric_lights,
 };
 use brdf_model::Channels;
+use brdf_report::{comparison_measures, comparison_table, folder_comparison_text};
 use clap::ValueEnum;
 
 use crate::args::{PairArgs, ReadArgs, environment, usage};
@@ -93,7 +92,7 @@ impl Compare {
             if self.json {
                 writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
             } else {
-                table::print_folders(&comparison, out)?;
+                out.write_all(folder_comparison_text(&comparison).as_bytes())?;
             }
             return Ok(ExitCode::SUCCESS);
         }
@@ -102,9 +101,9 @@ impl Compare {
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
         } else if self.metrics == MetricsArg::All {
-            table::print_all(&comparison, out)?;
+            out.write_all(comparison_measures(&comparison).as_bytes())?;
         } else {
-            table::print_basic(&comparison, out)?;
+            out.write_all(comparison_table(&comparison).as_bytes())?;
         }
         Ok(ExitCode::SUCCESS)
     }
