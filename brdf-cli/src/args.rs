@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use brdf_container::MaterialFile;
 use brdf_files::{FileError, MappedFile, OutputFolder, Overwrite, write_atomically};
@@ -54,20 +55,12 @@ impl ReadArgs {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MerlNodesArg {
-    /// At the cell's centre (ALTA)
-    Centre,
-    /// At the cell's lower edge (libbsdf)
-    Edge,
-}
-
-impl From<MerlNodesArg> for MerlNodes {
-    fn from(nodes: MerlNodesArg) -> Self {
-        match nodes {
-            MerlNodesArg::Centre => Self::Centre,
-            MerlNodesArg::Edge => Self::Edge,
-        }
+choices! {
+    pub(crate) enum MerlNodesArg for MerlNodes {
+        /// At the cell's centre (ALTA)
+        Centre => Centre,
+        /// At the cell's lower edge (libbsdf)
+        Edge => Edge,
     }
 }
 
@@ -168,6 +161,21 @@ impl LightArgs {
 pub(crate) fn environment(path: &Path) -> Result<Environment, FileError> {
     let bytes = MappedFile::open(path)?;
     Environment::from_hdr(&bytes).map_err(FileError::content(path))
+}
+
+/// Prints a record as JSON, or what `text` makes of it.
+pub(crate) fn show(
+    out: &mut impl Write,
+    is_json: bool,
+    record: &impl serde::Serialize,
+    text: impl FnOnce() -> String,
+) -> anyhow::Result<ExitCode> {
+    if is_json {
+        writeln!(out, "{}", serde_json::to_string_pretty(record)?)?;
+    } else {
+        out.write_all(text().as_bytes())?;
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Writes the files of a folder of results.

@@ -4,7 +4,32 @@ use brdf_factor::{LogTransform, Weight};
 use brdf_fit::{FixedFactors, Reciprocity, SeparableMap};
 use brdf_param::{Bound, Parametrization, Space};
 use brdf_search::Objective;
+use brdf_separable::{EigenSolver, Fill};
 use clap::ValueEnum;
+
+/// Choices of an option, with the help of each, and the values of the library behind them.
+macro_rules! choices {
+    (
+        $(#[$about:meta])*
+        $visible:vis enum $choice:ident for $target:ident {
+            $($(#[$help:meta])* $name:ident => $value:ident,)+
+        }
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+        $visible enum $choice {
+            $($(#[$help])* $name,)+
+        }
+
+        impl From<$choice> for $target {
+            fn from(choice: $choice) -> Self {
+                match choice {
+                    $($choice::$name => Self::$value,)+
+                }
+            }
+        }
+    };
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
@@ -54,35 +79,38 @@ pub(crate) enum StrategyArg {
     Powell,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ObjectiveArg {
-    /// Mean square of log residuals
-    Relative,
-    /// Mean square of linear residuals
-    Absolute,
-    /// Mean of both absolute residuals
-    Blend,
+choices! {
+    pub(crate) enum ObjectiveArg for Objective {
+        /// Mean square of log residuals
+        Relative => Relative,
+        /// Mean square of linear residuals
+        Absolute => Absolute,
+        /// Mean of both absolute residuals
+        Blend => Blend,
+    }
 }
 
-/// Factors of given coordinates that stand beside the searched ones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BesideArg {
-    /// p(wi) q(h) p(wo)
-    Mccool,
-    /// p(|wi⊥|) q(|h⊥|) p(|wo⊥|)
-    Radial,
-    /// The half vector, in whatever space the search takes place
-    H,
-    /// The difference vector
-    D,
+choices! {
+    /// Factors of given coordinates that stand beside the searched ones.
+    pub(crate) enum BesideArg for FixedFactors {
+        /// p(wi) q(h) p(wo)
+        Mccool => McCool,
+        /// p(|wi⊥|) q(|h⊥|) p(|wo⊥|)
+        Radial => Radial,
+        /// The half vector, in whatever space the search takes place
+        H => H,
+        /// The difference vector
+        D => D,
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BoundArg {
-    /// The image of the sampled discs: nothing wasted
-    Disc,
-    /// The image of a cube around them, as in the thesis
-    Cube,
+choices! {
+    pub(crate) enum BoundArg for Bound {
+        /// The image of the sampled discs: nothing wasted
+        Disc => Disc,
+        /// The image of a cube around them, as in the thesis
+        Cube => Cube,
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -97,65 +125,58 @@ pub(crate) enum LogMapArg {
     Cosine,
 }
 
-/// How the hemisphere is laid out in the textures of sums of products.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MapArg {
-    /// Seen from above: (x, y) in the unit disc
-    Orthographic,
-    /// Azimuth and √(1 − cosθ)
-    Polar,
-    /// (x, y) / (1 + z) in the unit disc
-    Parabolic,
-    /// Azimuth and polar angle
-    Spherical,
-    /// MERL's own grid: theta_h × (theta_d, phi_d), isotropic, 90 × 16200
-    Merl,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FillArg {
-    /// The value of the nearest pair with data
-    Edge,
-    /// 0
-    Zero,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum EigenSolverArg {
-    /// Block Krylov, stopped by residuals
-    Krylov,
-    /// As printed by the relighting paper; fails where eigenvalues of opposite sign are equal
-    Power,
-}
-
-impl From<MapArg> for SeparableMap {
-    fn from(map: MapArg) -> Self {
-        match map {
-            MapArg::Orthographic => Self::Orthographic,
-            MapArg::Polar => Self::Polar,
-            MapArg::Parabolic => Self::Parabolic,
-            MapArg::Spherical => Self::Spherical,
-            MapArg::Merl => Self::Merl,
-        }
+choices! {
+    /// How the hemisphere is laid out in the textures of sums of products.
+    pub(crate) enum MapArg for SeparableMap {
+        /// Seen from above: (x, y) in the unit disc
+        Orthographic => Orthographic,
+        /// Azimuth and √(1 − cosθ)
+        Polar => Polar,
+        /// (x, y) / (1 + z) in the unit disc
+        Parabolic => Parabolic,
+        /// Azimuth and polar angle
+        Spherical => Spherical,
+        /// MERL's own grid: theta_h × (theta_d, phi_d), isotropic, 90 × 16200
+        Merl => Merl,
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum WeightArg {
-    /// 1: relative error counts
-    Log,
-    /// f: halves the linear error for a fifth more log error
-    F,
-    /// f²: close to the linear error
-    F2,
+choices! {
+    pub(crate) enum FillArg for Fill {
+        /// The value of the nearest pair with data
+        Edge => Edge,
+        /// 0
+        Zero => Zero,
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ReciprocityArg {
-    On,
-    Off,
-    /// For --method search: try both; the lower error on validation pairs wins
-    Auto,
+choices! {
+    pub(crate) enum EigenSolverArg for EigenSolver {
+        /// Block Krylov, stopped by residuals
+        Krylov => Krylov,
+        /// As printed by the relighting paper; fails where eigenvalues of opposite sign are equal
+        Power => Power,
+    }
+}
+
+choices! {
+    pub(crate) enum WeightArg for Weight {
+        /// 1: relative error counts
+        Log => Log,
+        /// f: halves the linear error for a fifth more log error
+        F => F,
+        /// f²: close to the linear error
+        F2 => F2,
+    }
+}
+
+choices! {
+    pub(crate) enum ReciprocityArg for Reciprocity {
+        On => On,
+        Off => Off,
+        /// For --method search: try both; the lower error on validation pairs wins
+        Auto => Auto,
+    }
 }
 
 impl SpaceArg {
@@ -183,37 +204,6 @@ impl SpaceArg {
     }
 }
 
-impl From<ReciprocityArg> for Reciprocity {
-    fn from(reciprocity: ReciprocityArg) -> Self {
-        match reciprocity {
-            ReciprocityArg::On => Self::On,
-            ReciprocityArg::Off => Self::Off,
-            ReciprocityArg::Auto => Self::Auto,
-        }
-    }
-}
-
-impl From<BesideArg> for FixedFactors {
-    fn from(beside: BesideArg) -> Self {
-        match beside {
-            BesideArg::Mccool => Self::McCool,
-            BesideArg::Radial => Self::Radial,
-            BesideArg::H => Self::H,
-            BesideArg::D => Self::D,
-        }
-    }
-}
-
-impl From<ObjectiveArg> for Objective {
-    fn from(objective: ObjectiveArg) -> Self {
-        match objective {
-            ObjectiveArg::Relative => Self::Relative,
-            ObjectiveArg::Absolute => Self::Absolute,
-            ObjectiveArg::Blend => Self::Blend,
-        }
-    }
-}
-
 impl MethodArg {
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -235,15 +225,6 @@ impl MethodArg {
     }
 }
 
-impl From<BoundArg> for Bound {
-    fn from(bound: BoundArg) -> Self {
-        match bound {
-            BoundArg::Disc => Self::Disc,
-            BoundArg::Cube => Self::Cube,
-        }
-    }
-}
-
 impl LogMapArg {
     /// The map of homomorphic fits, if it is one of theirs.
     pub(crate) fn homomorphic(self) -> Option<LogTransform> {
@@ -252,16 +233,6 @@ impl LogMapArg {
             Self::Log => Some(LogTransform::Log),
             Self::Highlight => Some(LogTransform::Highlight),
             Self::Cosine => None,
-        }
-    }
-}
-
-impl From<WeightArg> for Weight {
-    fn from(weight: WeightArg) -> Self {
-        match weight {
-            WeightArg::Log => Self::Log,
-            WeightArg::F => Self::F,
-            WeightArg::F2 => Self::F2,
         }
     }
 }

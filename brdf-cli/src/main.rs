@@ -1,8 +1,10 @@
 //! The `brdf` command: parse, run, exit code.
 
+#[macro_use]
+mod choices;
+
 mod advice;
 mod args;
-mod choices;
 mod commands;
 mod meshes;
 mod progress;

@@ -66,24 +66,15 @@ impl ViewArgs {
     }
 }
 
-/// How a mesh comes by texture coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum UvArg {
-    /// Longitude and latitude about the centre, which every mesh has
-    Sphere,
-    /// Unwrapped into charts that do not overlap
-    Atlas,
-    /// Those of the file
-    File,
-}
-
-impl From<UvArg> for UvSource {
-    fn from(uv: UvArg) -> Self {
-        match uv {
-            UvArg::Sphere => Self::Sphere,
-            UvArg::Atlas => Self::Atlas,
-            UvArg::File => Self::File,
-        }
+choices! {
+    /// How a mesh comes by texture coordinates.
+    pub(crate) enum UvArg for UvSource {
+        /// Longitude and latitude about the centre, which every mesh has
+        Sphere => Sphere,
+        /// Unwrapped into charts that do not overlap
+        Atlas => Atlas,
+        /// Those of the file
+        File => File,
     }
 }
 

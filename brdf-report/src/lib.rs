@@ -4,6 +4,7 @@
 //! [`factored_files`], [`separable_files`], [`study_files`], [`paint_files`] and [`sweep_files`] return the files of a
 //! folder.
 
+mod btf_text;
 mod error;
 mod factored;
 mod figures;
@@ -23,6 +24,10 @@ mod study;
 mod text;
 mod texture_view;
 
+pub use btf_text::{
+    brdf_comparison_text, breakdown_text, compress_text, rate_text, speed_text, synth_text,
+    texture_comparison_text,
+};
 pub use error::ReportError;
 pub use factored::{factored_files, kept_files};
 pub use figures::{

@@ -13,7 +13,7 @@ use brdf_study::{STUDIED, StudyReport};
 use crate::numbers::{bytes, or_dash, percent, significant};
 
 /// Returns what was written.
-fn text(write: impl FnOnce(&mut String) -> fmt::Result) -> String {
+pub(crate) fn text(write: impl FnOnce(&mut String) -> fmt::Result) -> String {
     let mut out = String::new();
     // A string takes whatever is written.
     let _ = write(&mut out);

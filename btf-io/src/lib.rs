@@ -36,6 +36,7 @@ mod linear;
 mod loaded;
 mod maps;
 mod names;
+mod queries;
 mod rgbe;
 mod srgb;
 mod store;
@@ -52,6 +53,7 @@ pub use input::{Btf, BtfInput, open_btf};
 pub use loaded::LoadedBtf;
 pub use maps::{read_albedo, read_map};
 pub use names::{ImageAngles, NamedDirection, parse_image_name};
+pub use queries::read_queries;
 pub use synthesis::{
     Relief, Roughness, SurfaceFiles, SynthReport, SynthesisError, read_surface, write_synthesized,
 };

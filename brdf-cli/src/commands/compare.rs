@@ -13,7 +13,7 @@ use brdf_model::Channels;
 use brdf_report::{comparison_measures, comparison_table, folder_comparison_text};
 use clap::ValueEnum;
 
-use crate::args::{PairArgs, ReadArgs, environment, usage};
+use crate::args::{PairArgs, ReadArgs, environment, show, usage};
 use crate::progress::Watch;
 
 /// Compare models with a reference, or folders of them
@@ -89,23 +89,14 @@ impl Compare {
         if Path::new(&self.reference).is_dir() {
             let comparison = self.compare_folders(&settings, &watch)?;
             drop(watch);
-            if self.json {
-                writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
-            } else {
-                out.write_all(folder_comparison_text(&comparison).as_bytes())?;
-            }
-            return Ok(ExitCode::SUCCESS);
+            return show(out, self.json, &comparison, || folder_comparison_text(&comparison));
         }
         let comparison = self.compare(&self.reference, &self.models, &settings, &watch)?;
         drop(watch);
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
-        } else if self.metrics == MetricsArg::All {
-            out.write_all(comparison_measures(&comparison).as_bytes())?;
-        } else {
-            out.write_all(comparison_table(&comparison).as_bytes())?;
-        }
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &comparison, || match self.metrics {
+            MetricsArg::All => comparison_measures(&comparison),
+            MetricsArg::Basic => comparison_table(&comparison),
+        })
     }
 
     fn settings(&self) -> anyhow::Result<CompareSettings> {

@@ -13,7 +13,7 @@ use brdf_report::{study_files, study_text};
 use brdf_separable::SeparableError;
 use brdf_study::{StudiedMaterial, StudyParams, StudyReport, study_material};
 
-use crate::args::{ReadArgs, command_line, write_all};
+use crate::args::{ReadArgs, command_line, show, write_all};
 use crate::progress::Watch;
 
 /// Measure which parametrization fits which material
@@ -97,12 +97,8 @@ impl Study {
         let report = StudyReport::new(env!("CARGO_PKG_VERSION"), materials, skipped, params);
         write_all(&mut folder, &study_files(&report, &slices, &command_line())?)?;
         let place = folder.finish()?;
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
-        } else {
-            out.write_all(study_text(&report).as_bytes())?;
-            writeln!(out, "{}", place.join("report.html").display())?;
-        }
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &report, || {
+            format!("{}{}\n", study_text(&report), place.join("report.html").display())
+        })
     }
 }

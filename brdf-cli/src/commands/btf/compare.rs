@@ -6,11 +6,12 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use brdf_container::{BrdfComparison, TextureComparison, open_compressed_btf};
-use brdf_report::{bytes, significant};
-use btf_vq::{BtfSource as _, Fidelity, compare_brdfs, compare_texture, resampling_floor};
+use brdf_report::{brdf_comparison_text, texture_comparison_text};
+use btf_vq::{BtfSource as _, compare_brdfs, compare_texture, resampling_floor};
 
 use super::inputs::{is_brdf, named, open_brdfs};
 use super::loading::{MemoryArgs, ModelArgs, load};
+use crate::args::show;
 use crate::progress::Watch;
 
 /// Say how near a compressed BTF is to its images
@@ -72,20 +73,7 @@ impl Compare {
             bytes: size,
             ratio: source.layout().raw_bytes() as f64 / size as f64,
         };
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        let shown = |f: Fidelity| {
-            format!("PSNR {} dB, MSSIM {}", significant(f.psnr), significant(f.mssim))
-        };
-        let TextureComparison { model, ratio, .. } = &comparison;
-        writeln!(out, "{model}: {} (1:{ratio:.0})", bytes(size))?;
-        writeln!(out, "  {}", shown(fidelity))?;
-        if let Some(floor) = floor {
-            writeln!(out, "  {} at best, by the resampling alone", shown(floor))?;
-        }
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &comparison, || texture_comparison_text(&comparison))
     }
 
     /// Every BRDF of the input with the texture of its name.
@@ -100,23 +88,6 @@ impl Compare {
         let brdfs = brdfs.with_context(|| model.clone().into_owned())?;
         let comparison =
             BrdfComparison::new(&self.input.to_string_lossy(), &model, brdfs, file.bytes);
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&comparison)?)?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        let BrdfComparison { relative, floor, ratio, brdfs, .. } = &comparison;
-        writeln!(out, "{model}: {} (1:{ratio:.0})", bytes(file.bytes))?;
-        writeln!(out, "  cosine-weighted RMS over that of the BRDF, and on the grid alone")?;
-        let shown = |floor: Option<f64>| floor.map_or_else(String::new, significant);
-        for brdf in brdfs {
-            let (relative, floor) = (significant(brdf.relative), shown(brdf.floor));
-            let holes = match brdf.without_data {
-                0 => String::new(),
-                count => format!("  {count} pairs without data"),
-            };
-            writeln!(out, "  {:24} {relative:>10} {floor:>10}{holes}", brdf.name)?;
-        }
-        writeln!(out, "  {:24} {:>10} {:>10}", "mean", significant(*relative), shown(*floor))?;
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &comparison, || brdf_comparison_text(&comparison))
     }
 }

@@ -66,20 +66,12 @@ pub(in crate::commands) struct Compress {
     json: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ParametrizationArg {
-    /// The mirror direction in the middle of every slice
-    Corrected,
-    /// Equation 3 of the paper as printed
-    Eq3,
-}
-
-impl From<ParametrizationArg> for LightParametrization {
-    fn from(arg: ParametrizationArg) -> Self {
-        match arg {
-            ParametrizationArg::Corrected => Self::Corrected,
-            ParametrizationArg::Eq3 => Self::Eq3,
-        }
+choices! {
+    enum ParametrizationArg for LightParametrization {
+        /// The mirror direction in the middle of every slice
+        Corrected => Corrected,
+        /// Equation 3 of the paper as printed
+        Eq3 => Eq3,
     }
 }
 

@@ -8,6 +8,7 @@ use brdf_report::percent;
 use btf_io::{DecompressReport, UboWriter, write_decompressed};
 
 use super::loading::ModelArgs;
+use crate::args::show;
 use crate::progress::Watch;
 
 /// Write the images of a compressed BTF
@@ -46,12 +47,9 @@ impl Decompress {
         let report = DecompressReport::new(env!("CARGO_PKG_VERSION"), [width, height], &written);
         let json = serde_json::to_string_pretty(&report)?;
         let place = writer.finish(&json)?;
-        if self.json {
-            writeln!(out, "{json}")?;
-        } else {
-            let clipped = percent(report.clipped);
-            writeln!(out, "{}: {} images, {clipped} clipped", place.display(), report.images)?;
-        }
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &report, || {
+            let (place, clipped) = (place.display(), percent(report.clipped));
+            format!("{place}: {} images, {clipped} clipped\n", report.images)
+        })
     }
 }

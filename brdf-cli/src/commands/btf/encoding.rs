@@ -6,16 +6,15 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::anyhow;
-use brdf_container::{BookSizes, CompressReport, write_btf};
+use brdf_container::{CompressReport, write_btf};
 use brdf_files::write_atomically;
-use brdf_report::{bytes as shown_bytes, significant};
+use brdf_report::compress_text;
 use btf_vq::{
     Base, CompressSettings, Compressed, Mode, Similarity, TextureInputs, VqError, compress,
 };
-use clap::ValueEnum;
 
 use super::loading::peak_memory;
-use crate::args::{ForceArgs, positive, usage};
+use crate::args::{ForceArgs, positive, show, usage};
 use crate::progress::Watch;
 
 /// How large books become.
@@ -54,42 +53,31 @@ impl SizeArgs {
         Ok(CompressSettings {
             mode,
             ratio: self.ratio.unwrap_or(usual.ratio),
-            similarity: self.measure.map(|measure| match measure {
-                MeasureArg::Mse => Similarity::Mse,
-                MeasureArg::Ssim => Similarity::Ssim,
-            }),
+            similarity: self.measure.map(Into::into),
             epsilon,
             budget: self.budget,
         })
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum ModeArg {
-    /// Centres of clusters, sizes for a ratio
-    Refined,
-    /// As published
-    Paper,
-    /// Local principal components in bytes
-    Lpca,
-}
-
-impl From<ModeArg> for Mode {
-    fn from(mode: ModeArg) -> Self {
-        match mode {
-            ModeArg::Refined => Self::Refined,
-            ModeArg::Paper => Self::Paper,
-            ModeArg::Lpca => Self::Lpca,
-        }
+choices! {
+    pub(super) enum ModeArg for Mode {
+        /// Centres of clusters, sizes for a ratio
+        Refined => Refined,
+        /// As published
+        Paper => Paper,
+        /// Local principal components in bytes
+        Lpca => Lpca,
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MeasureArg {
-    /// Mean squared error
-    Mse,
-    /// 98th percentile of 1 − SSIM over light directions
-    Ssim,
+choices! {
+    enum MeasureArg for Similarity {
+        /// Mean squared error
+        Mse => Mse,
+        /// 98th percentile of 1 − SSIM over light directions
+        Ssim => Ssim,
+    }
 }
 
 /// A share of the whole from `1.2%` or `0.012`.
@@ -131,22 +119,8 @@ impl Target<'_> {
         let mut report =
             CompressReport::new(&made.map_err(|e| advise(&e))?, &output, file.len(), seconds);
         report.peak_memory = peak_memory();
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&report)?)?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        let CompressReport { bytes, ratio, books, notes, .. } = &report;
-        writeln!(out, "{output}")?;
-        writeln!(out, "  {} (1:{ratio:.0}), in {} s", shown_bytes(*bytes), significant(seconds))?;
-        writeln!(out, "  rows: {}", in_words(books)?)?;
-        notes.iter().try_for_each(|note| writeln!(out, "  {note}"))?;
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &report, || compress_text(&report))
     }
-}
-
-fn in_words(books: &BookSizes) -> serde_json::Result<String> {
-    let value = serde_json::to_value(books)?;
-    Ok(value.to_string().replace(['{', '}', '"'], ""))
 }
 
 /// The option that helps with an error.

@@ -1,12 +1,13 @@
 //! `brdf btf eval`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context as _, bail};
-use brdf_files::MappedFile;
+use anyhow::bail;
+use brdf_files::{FileError, MappedFile};
 use brdf_param::spherical_direction;
+use btf_io::read_queries;
 
 use super::loading::ModelArgs;
 use crate::args::TableArgs;
@@ -42,7 +43,8 @@ impl Eval {
         if self.level >= reader.levels() {
             bail!("--level {}: {} has {}", self.level, self.model.model.display(), reader.levels());
         }
-        let rows = queries(&self.queries)?;
+        let rows = read_queries(&MappedFile::open(&self.queries)?)
+            .map_err(FileError::content(&self.queries))?;
         let mut table = String::from("u,v,theta_i_deg,phi_i_deg,theta_v_deg,phi_v_deg,r,g,b\n");
         let mut below = 0;
         for row in &rows {
@@ -67,30 +69,4 @@ impl Eval {
         }
         Ok(ExitCode::SUCCESS)
     }
-}
-
-/// Rows of six numbers.
-fn queries(path: &Path) -> anyhow::Result<Vec<[f64; 6]>> {
-    let bytes = MappedFile::open(path)?;
-    let text = String::from_utf8_lossy(&bytes);
-    let mut rows = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let line = line.trim();
-        let is_header = number == 0 && line.starts_with(|c: char| c.is_alphabetic());
-        if line.is_empty() || is_header {
-            continue;
-        }
-        let fields: Vec<&str> = line.split([',', ' ', '\t']).filter(|f| !f.is_empty()).collect();
-        let numbers: Result<Vec<f64>, _> = fields.iter().map(|f| f.parse::<f64>()).collect();
-        let row = numbers.ok().and_then(|n| <[f64; 6]>::try_from(n).ok());
-        let row = row.filter(|r| r.iter().all(|v| v.is_finite())).with_context(|| {
-            format!(
-                "{}: line {}: found {line:?}; expected six numbers: u,v and four angles in degrees",
-                path.display(),
-                number + 1
-            )
-        })?;
-        rows.push(row);
-    }
-    Ok(rows)
 }

@@ -8,7 +8,6 @@ use brdf_files::write_atomically;
 use brdf_image::{ToneMap, encode_png};
 use brdf_render::{MeshView, Shape, TexturedView, render_mesh, render_textured};
 use btf_vq::TexturedBtf;
-use clap::ValueEnum;
 
 use super::loading::ModelArgs;
 use crate::args::{ForceArgs, LightArgs, positive, usage};
@@ -66,14 +65,15 @@ pub(in crate::commands) struct Render {
     force: ForceArgs,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ShapeArg {
-    /// A square in perspective
-    Plane,
-    /// A sphere
-    Sphere,
-    /// An upright cylinder
-    Cylinder,
+choices! {
+    enum ShapeArg for Shape {
+        /// A square in perspective
+        Plane => Plane,
+        /// A sphere
+        Sphere => Sphere,
+        /// An upright cylinder
+        Cylinder => Cylinder,
+    }
 }
 
 impl Render {
@@ -100,11 +100,7 @@ impl Render {
             render_mesh(mesh, &material, &light, &self.mesh.view.camera(mesh), &view)
         } else {
             let tilt = self.tilt_deg.map(f64::to_radians);
-            let shape = match self.shape {
-                ShapeArg::Plane => Shape::Plane,
-                ShapeArg::Sphere => Shape::Sphere,
-                ShapeArg::Cylinder => Shape::Cylinder,
-            };
+            let shape = self.shape.into();
             render_textured(&material, shape, &light, &TexturedView { size, samples, tiles, tilt })
         };
         drop(watch);

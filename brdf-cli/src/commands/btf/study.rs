@@ -6,13 +6,13 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_files::OutputFolder;
-use brdf_report::{bytes as shown_bytes, rate_csv, rate_plot, significant};
-use btf_vq::{RateMethod, RateRow, RateSettings, study_rates};
+use brdf_report::{rate_csv, rate_plot, rate_text};
+use btf_vq::{RateMethod, RateSettings, study_rates};
 use clap::ValueEnum;
 
 use super::inputs::{is_brdf, stem};
 use super::loading::{MemoryArgs, load, notes};
-use crate::args::positive;
+use crate::args::{positive, show};
 use crate::progress::Watch;
 
 /// Measure what compression loses at which size, beside its rivals
@@ -66,33 +66,21 @@ pub(in crate::commands) struct Study {
     json: bool,
 }
 
-/// What is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MethodArg {
-    /// Refined codebooks
-    Refined,
-    /// As published, with a threshold of MSE
-    Paper,
-    /// Local principal components in bytes
-    Lpca,
-    /// The same in f32
-    LpcaF32,
-    /// One level of vector quantization
-    OneLevel,
-    /// Principal components of each view
-    ViewPca,
-}
-
-impl From<MethodArg> for RateMethod {
-    fn from(method: MethodArg) -> Self {
-        match method {
-            MethodArg::Refined => Self::Refined,
-            MethodArg::Paper => Self::Paper,
-            MethodArg::Lpca => Self::Lpca,
-            MethodArg::LpcaF32 => Self::LpcaF32,
-            MethodArg::OneLevel => Self::OneLevel,
-            MethodArg::ViewPca => Self::ViewPca,
-        }
+choices! {
+    /// What is measured.
+    enum MethodArg for RateMethod {
+        /// Refined codebooks
+        Refined => Refined,
+        /// As published, with a threshold of MSE
+        Paper => Paper,
+        /// Local principal components in bytes
+        Lpca => Lpca,
+        /// The same in f32
+        LpcaF32 => LpcaF32,
+        /// One level of vector quantization
+        OneLevel => OneLevel,
+        /// Principal components of each view
+        ViewPca => ViewPca,
     }
 }
 
@@ -122,20 +110,8 @@ impl Study {
         folder.write("study.csv", rate_csv(&rows).as_bytes())?;
         folder.write("study.svg", rate_plot(&rows)?.svg().as_bytes())?;
         let place = folder.finish()?;
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&rows)?)?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        for RateRow { method, bytes, ratio, fidelity } in &rows {
-            let (psnr, mssim) = (significant(fidelity.psnr), significant(fidelity.mssim));
-            writeln!(
-                out,
-                "{:18} {:>10}  1:{ratio:<6.0} PSNR {psnr} dB  MSSIM {mssim}",
-                method.label(),
-                shown_bytes(*bytes)
-            )?;
-        }
-        writeln!(out, "{}", place.join("study.svg").display())?;
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &rows, || {
+            format!("{}{}\n", rate_text(&rows), place.join("study.svg").display())
+        })
     }
 }

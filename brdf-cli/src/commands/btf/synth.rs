@@ -1,18 +1,18 @@
 //! `brdf btf synth`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use brdf_report::{percent, significant};
+use brdf_report::synth_text;
 use btf_io::{
     Relief, Roughness, SurfaceFiles, SynthReport, UboWriter, read_surface, write_synthesized,
 };
 use btf_synth::SynthOptions;
 use clap::ValueEnum;
 
-use crate::args::{not_negative, usage};
+use crate::args::{not_negative, show, usage};
 use crate::progress::Watch;
 
 /// Synthesize the images of a surface from its maps
@@ -109,12 +109,7 @@ impl Synth {
         let report = SynthReport::new(version, &files, &maps, &options, &written, seconds);
         let json = serde_json::to_string_pretty(&report)?;
         let place = writer.finish(&json)?;
-        if self.json {
-            writeln!(out, "{json}")?;
-        } else {
-            print(&report, &place, out)?;
-        }
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &report, || synth_text(&report, &place))
     }
 
     /// The files of the surface and how they are read.
@@ -143,24 +138,4 @@ impl Synth {
             is_inverted: self.invert,
         })
     }
-}
-
-fn print(report: &SynthReport, place: &Path, out: &mut impl Write) -> std::io::Result<()> {
-    let [low, high] = report.height_range;
-    writeln!(
-        out,
-        "{} images of {}² texels in {} s, {} MB",
-        report.images,
-        report.size,
-        significant(report.seconds),
-        report.bytes / 1_000_000
-    )?;
-    writeln!(out, "heights from {low:.4} to {high:.4} of the tile's width, mean 0")?;
-    writeln!(
-        out,
-        "clipped: {} of the values; the largest is {}",
-        percent(report.clipped),
-        significant(f64::from(report.peak))
-    )?;
-    writeln!(out, "{}", place.display())
 }

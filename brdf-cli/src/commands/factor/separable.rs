@@ -4,7 +4,6 @@ use std::f64::consts::FRAC_PI_2;
 
 use brdf_fit::{LogChoice, SeparableMethod, SeparableSettings};
 use brdf_param::Parametrization;
-use brdf_separable::{EigenSolver, Fill};
 
 use super::Factor;
 use crate::args::{memory, usage};
@@ -92,10 +91,7 @@ impl Factor {
             isotropic: args.isotropic,
             rank: args.rank.map(|rank| rank as usize),
             joint_rgb: args.joint_rgb,
-            fill: match args.fill {
-                Some(FillArg::Zero) => Fill::Zero,
-                _ => Fill::Edge,
-            },
+            fill: args.fill.unwrap_or(FillArg::Edge).into(),
             weight_power: args.weight_power.unwrap_or(0.0),
             memory_limit: args.memory_limit.unwrap_or(4 << 30),
             theta_max: self.pairs.given_theta_max().unwrap_or(FRAC_PI_2),
@@ -113,10 +109,10 @@ impl Factor {
                 SeparableMethod::LogSvd(LogChoice::Cosine)
             }
             MethodArg::LogSvd => SeparableMethod::LogSvd(LogChoice::Offset),
-            MethodArg::Eigen => SeparableMethod::Eigen(match self.separable.eigen_solver {
-                Some(EigenSolverArg::Power) => EigenSolver::Power,
-                _ => EigenSolver::Krylov,
-            }),
+            MethodArg::Eigen => {
+                let solver = self.separable.eigen_solver.unwrap_or(EigenSolverArg::Krylov);
+                SeparableMethod::Eigen(solver.into())
+            }
             MethodArg::Nmf => SeparableMethod::Nmf,
             MethodArg::Normalized => SeparableMethod::Normalized,
             _ => SeparableMethod::Svd,

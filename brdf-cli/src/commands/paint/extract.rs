@@ -99,24 +99,26 @@ pub(in crate::commands) struct Extract {
     json: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ModeArg {
-    /// One BRDF everywhere
-    Brdf,
-    /// A BRDF times a factor over the surface
-    FourFactor,
-    /// BRDFs weighted by maps
-    MaterialMap,
-    /// Four-factor products weighted by maps
-    Hybrid,
+choices! {
+    enum ModeArg for Mode {
+        /// One BRDF everywhere
+        Brdf => Brdf,
+        /// A BRDF times a factor over the surface
+        FourFactor => FourFactor,
+        /// BRDFs weighted by maps
+        MaterialMap => MaterialMap,
+        /// Four-factor products weighted by maps
+        Hybrid => Hybrid,
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum SolverArg {
-    /// One product after another, as published
-    Paper,
-    /// Maps and products in turns
-    Alternating,
+choices! {
+    enum SolverArg for SolverChoice {
+        /// One product after another, as published
+        Paper => Paper,
+        /// Maps and products in turns
+        Alternating => Alternating,
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -237,16 +239,8 @@ impl Extract {
 
     fn params(&self, wraps: bool) -> PaintParams {
         PaintParams {
-            mode: match self.mode {
-                ModeArg::Brdf => Mode::Brdf,
-                ModeArg::FourFactor => Mode::FourFactor,
-                ModeArg::MaterialMap => Mode::MaterialMap,
-                ModeArg::Hybrid => Mode::Hybrid,
-            },
-            solver: match self.solver {
-                SolverArg::Paper => SolverChoice::Paper,
-                SolverArg::Alternating => SolverChoice::Alternating,
-            },
+            mode: self.mode.into(),
+            solver: self.solver.into(),
             products: self.products,
             texels: self.texels,
             surface_size: self.surface_size,

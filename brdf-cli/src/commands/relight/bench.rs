@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use brdf_relight::{SpeedParams, SpeedReport, measure_speed};
-use brdf_report::{bytes as shown_bytes, sorted_json};
+use brdf_report::speed_text;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
+use crate::args::show;
 use crate::progress::Watch;
 
 /// Time new light and new views of a precomputed object
@@ -53,17 +54,6 @@ impl Bench {
         drop(watch);
         let bytes = file.parts.iter().map(|part| part.transport.bytes()).sum();
         let report = SpeedReport { speed, bytes, file_bytes: loaded.len() };
-        if self.json {
-            out.write_all(sorted_json(&report)?.as_bytes())?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        writeln!(out, "precomputation {:.1} s, {}", speed.precompute_s, shown_bytes(bytes))?;
-        writeln!(
-            out,
-            "new light {:.0} fps alone, {:.0} with the picture ({} coefficients)",
-            speed.light_kernel_fps, speed.light_frame_fps, speed.lit_coefficients
-        )?;
-        writeln!(out, "new view {:.0} fps", speed.view_frame_fps)?;
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &report, || speed_text(&report))
     }
 }

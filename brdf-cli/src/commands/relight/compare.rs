@@ -8,9 +8,10 @@ use anyhow::Context as _;
 use brdf_container::MaterialFile;
 use brdf_io::ReadOptions;
 use brdf_relight::{CompareParams, Occluder, compare};
-use brdf_report::significant;
+use brdf_report::breakdown_text;
 
 use super::loading::{LightArgs, Loaded, mesh_of};
+use crate::args::show;
 use crate::progress::Watch;
 
 /// Say what relighting loses, against brute force
@@ -67,23 +68,6 @@ impl Compare {
         let split =
             watch.run(|job| compare(part, &occluder, subject.brdf(), &light, &params, job))?;
         drop(watch);
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&split)?)?;
-            return Ok(ExitCode::SUCCESS);
-        }
-        writeln!(out, "relative RMS {} of {} colours", significant(split.total), split.colours)?;
-        let parts = [
-            ("terms", split.rank),
-            ("coefficients", split.coefficients),
-            ("light", split.light),
-            ("visibility", split.visibility),
-        ];
-        for (name, value) in parts {
-            writeln!(out, "  {name} {}", significant(value))?;
-        }
-        if split.negative > 0 {
-            writeln!(out, "  {} colours are below 0 in a channel", split.negative)?;
-        }
-        Ok(ExitCode::SUCCESS)
+        show(out, self.json, &split, || breakdown_text(&split))
     }
 }

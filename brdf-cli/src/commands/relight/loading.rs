@@ -8,7 +8,6 @@ use brdf_files::{FileError, MappedFile};
 use brdf_mesh::Mesh;
 use brdf_relight::{CubeLight, CubeLightSampler, LightRule, Orbit};
 use brdf_render::Environment;
-use clap::ValueEnum;
 
 use crate::args::environment;
 
@@ -54,14 +53,15 @@ pub(super) struct LightArgs {
     light_rule: RuleArg,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum RuleArg {
-    /// 99.5 % of the energy beyond the brightest, 200 to 1,000 of them
-    Energy,
-    /// Those of at least 1/32 of the largest
-    Paper,
-    /// All
-    All,
+choices! {
+    enum RuleArg for LightRule {
+        /// 99.5 % of the energy beyond the brightest, 200 to 1,000 of them
+        Energy => Energy,
+        /// Those of at least 1/32 of the largest
+        Paper => Paper,
+        /// All
+        All => All,
+    }
 }
 
 impl LightArgs {
@@ -89,11 +89,7 @@ impl LightArgs {
     }
 
     pub(super) fn rule(&self) -> LightRule {
-        match self.light_rule {
-            RuleArg::Energy => LightRule::Energy,
-            RuleArg::Paper => LightRule::Paper,
-            RuleArg::All => LightRule::All,
-        }
+        self.light_rule.into()
     }
 }
 

@@ -13,10 +13,10 @@ use brdf_relight::{
     Codec, LightMaps, MapParams, ObjectParams, ObjectPrecomputation, PrecomputeParams,
     PrecomputeReport, Quality, RelightRecord,
 };
-use brdf_report::{bytes as shown_bytes, sorted_json};
+use brdf_report::bytes as shown_bytes;
 use clap::ValueEnum;
 
-use crate::args::{ForceArgs, not_negative, usage};
+use crate::args::{ForceArgs, not_negative, show, usage};
 use crate::meshes::open_mesh;
 use crate::progress::Watch;
 
@@ -89,24 +89,26 @@ pub(in crate::commands) struct Precompute {
     force: ForceArgs,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LightMapsArg {
-    /// Red, green and blue, by eigenpairs (the paper's)
-    Rgb,
-    /// One number, by singular vectors of all channels; only view maps have colour
-    Joint,
+choices! {
+    enum LightMapsArg for LightMaps {
+        /// Red, green and blue, by eigenpairs (the paper's)
+        Rgb => Rgb,
+        /// One number, by singular vectors of all channels; only view maps have colour
+        Joint => Joint,
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum QualityArg {
-    /// One ray a texel
-    #[value(name = "1")]
-    One,
-    /// Sixteen where neighbours differ
-    Adaptive,
-    /// Sixteen rays a texel
-    #[value(name = "16")]
-    Sixteen,
+choices! {
+    enum QualityArg for Quality {
+        /// One ray a texel
+        #[value(name = "1")]
+        One => One,
+        /// Sixteen where neighbours differ
+        Adaptive => Adaptive,
+        /// Sixteen rays a texel
+        #[value(name = "16")]
+        Sixteen => Sixteen,
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -157,25 +159,19 @@ impl Precompute {
         let output = self.output.to_string_lossy();
         let seconds = start.elapsed().as_secs_f64();
         let report = PrecomputeReport::new(&output, &parts, resumed, bytes.len(), seconds, record);
-        if self.json {
-            out.write_all(sorted_json(&report)?.as_bytes())?;
-        } else {
-            writeln!(
-                out,
-                "{output}: {}, {} vertices, {} terms, {seconds:.1} s",
-                shown_bytes(report.bytes),
-                report.vertices,
+        show(out, self.json, &report, || {
+            let (size, vertices) = (shown_bytes(report.bytes), report.vertices);
+            format!(
+                "{output}: {size}, {vertices} vertices, {} terms, {seconds:.1} s\n",
                 report.terms
-            )?;
-        }
-        Ok(ExitCode::SUCCESS)
+            )
+        })
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "in range")]
     fn map_params(&self) -> MapParams {
         let light_maps = match self.light_maps {
-            Some(LightMapsArg::Rgb) => LightMaps::Rgb,
-            Some(LightMapsArg::Joint) => LightMaps::Joint,
+            Some(choice) => choice.into(),
             None if self.rank <= 4 => LightMaps::Rgb,
             None => LightMaps::Joint,
         };
@@ -189,11 +185,6 @@ impl Precompute {
 
     #[expect(clippy::cast_possible_truncation, reason = "in range")]
     fn params(&self) -> anyhow::Result<PrecomputeParams> {
-        let quality = match self.quality {
-            QualityArg::One => Quality::One,
-            QualityArg::Adaptive => Quality::Adaptive,
-            QualityArg::Sixteen => Quality::Sixteen,
-        };
         let codec = match self.codec {
             CodecArg::Wavelet if self.tolerance.is_some() => {
                 return Err(usage(
@@ -210,7 +201,7 @@ impl Precompute {
             }
             CodecArg::Clusters => Codec::Clusters { tolerance: self.tolerance.unwrap_or(1e-5) },
         };
-        Ok(PrecomputeParams { codec, quality })
+        Ok(PrecomputeParams { codec, quality: self.quality.into() })
     }
 
     /// The log of a run, with what an interrupted one left in it; the number of vertices that are done.
