@@ -1,6 +1,7 @@
 //! What can be done about notes and errors, in terms of options.
 
 use std::error::Error;
+use std::fmt;
 
 use brdf_container::{ContainerError, Kind, OpenError, Paintings};
 use brdf_files::FileError;
@@ -8,6 +9,18 @@ use brdf_fit::FitNote;
 use brdf_io::{FormatError, ReadNote};
 use brdf_paint::PaintNote;
 use brdf_report::{fit_note, paint_note};
+
+/// A failure of which the user knows.
+#[derive(Debug)]
+pub(crate) struct AlreadySaid;
+
+impl Error for AlreadySaid {}
+
+impl fmt::Display for AlreadySaid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("there were errors")
+    }
+}
 
 /// What the readers assumed or changed, as sentences.
 pub(crate) fn read_notes(notes: &[ReadNote]) -> Vec<String> {

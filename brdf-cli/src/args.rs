@@ -1,8 +1,9 @@
 //! Arguments that several commands share, and the choices behind them.
 
 use std::io::Write;
+use std::ops::Bound::{Excluded, Included};
+use std::ops::RangeBounds;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use brdf_container::MaterialFile;
 use brdf_files::{FileError, MappedFile, OutputFolder, Overwrite, write_atomically};
@@ -10,8 +11,8 @@ use brdf_io::{ColumnMap, ReadOptions};
 use brdf_model::{Channels, MerlLookup, MerlNodes};
 use brdf_render::{DirectionalLight, Environment, Light};
 use brdf_report::ResultFile;
+use clap::CommandFactory as _;
 use clap::error::ErrorKind;
-use clap::{CommandFactory as _, ValueEnum};
 
 use crate::commands::Cli;
 
@@ -69,7 +70,7 @@ choices! {
 pub(crate) struct PairArgs {
     /// Largest angle between a direction and the normal, degrees, above 0 and at most 90
     /// [default: 80; where `factor` makes sums of products, 90]
-    #[arg(long, value_name = "DEG", value_parser = theta_limit)]
+    #[arg(long, value_name = "DEG", value_parser = within((Excluded(0.0), Included(90.0)), "degrees above 0 and at most 90"))]
     max_theta_deg: Option<f64>,
 
     /// One channel: Rec. 709 luminance, weights .2126 .7152 .0722
@@ -93,27 +94,41 @@ impl PairArgs {
     }
 }
 
-fn theta_limit(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(angle) if angle > 0.0 && angle <= 90.0 => Ok(angle),
-        _ => Err("expected degrees above 0 and at most 90".to_owned()),
+/// Takes a number within a range.
+pub(crate) fn within<R>(
+    range: R,
+    expected: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync
+where
+    R: RangeBounds<f64> + Clone + Send + Sync + 'static,
+{
+    move |text| {
+        let number = text.parse().ok().filter(|value| range.contains(value));
+        number.ok_or_else(|| format!("expected {expected}"))
+    }
+}
+
+/// Takes so many finite numbers, separated by commas.
+pub(crate) fn numbers<const N: usize>(
+    expected: &'static str,
+) -> impl Fn(&str) -> Result<[f64; N], String> + Clone + Send + Sync {
+    move |text| {
+        let numbers = text.split(',').map(|number| number.trim().parse().ok());
+        let numbers: Option<Vec<f64>> = numbers.collect();
+        let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
+        let finite = numbers.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
+        finite.ok_or_else(|| format!("expected {expected}"))
     }
 }
 
 /// A number that is finite and at least 0.
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
-        _ => Err("expected a number of 0 or more".to_owned()),
-    }
+    within(0.0..f64::INFINITY, "a number of 0 or more")(text)
 }
 
 /// A number that is finite and above 0.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("expected a number above 0".to_owned()),
-    }
+    within((Excluded(0.0), Excluded(f64::INFINITY)), "a number above 0")(text)
 }
 
 /// What may be overwritten.
@@ -140,7 +155,7 @@ pub(crate) struct LightArgs {
 
     /// Where the light stands: degrees from the direction to the camera, and degrees around it (0
     /// right, 90 above) [default: 30,135]
-    #[arg(long, value_name = "THETA,PHI", value_parser = two_angles, allow_hyphen_values = true)]
+    #[arg(long, value_name = "THETA,PHI", value_parser = numbers::<2>("two numbers, such as 30,0"), allow_hyphen_values = true)]
     pub(crate) light_deg: Option<[f64; 2]>,
 }
 
@@ -169,13 +184,13 @@ pub(crate) fn show(
     is_json: bool,
     record: &impl serde::Serialize,
     text: impl FnOnce() -> String,
-) -> anyhow::Result<ExitCode> {
+) -> anyhow::Result<()> {
     if is_json {
         writeln!(out, "{}", serde_json::to_string_pretty(record)?)?;
     } else {
         out.write_all(text().as_bytes())?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Writes the files of a folder of results.
@@ -213,19 +228,6 @@ pub(crate) fn memory(text: &str) -> Result<usize, String> {
             Ok(bytes)
         }
         _ => Err("expected bytes below a petabyte, such as 500M or 4G".to_owned()),
-    }
-}
-
-/// Two numbers.
-pub(crate) fn two_angles(text: &str) -> Result<[f64; 2], String> {
-    let angles: Vec<f64> = text
-        .split(',')
-        .map(str::parse)
-        .collect::<Result<_, _>>()
-        .map_err(|_| "expected two numbers, such as 30,0".to_owned())?;
-    match angles[..] {
-        [theta, phi] if theta.is_finite() && phi.is_finite() => Ok([theta, phi]),
-        _ => Err("expected two numbers, such as 30,0".to_owned()),
     }
 }
 

@@ -17,12 +17,8 @@ use clap::Parser as _;
 fn main() -> ExitCode {
     let command = commands::Cli::parse();
     let mut out = io::BufWriter::new(io::stdout().lock());
-    let outcome = command.run(&mut out).and_then(|code| {
-        out.flush()?;
-        Ok(code)
-    });
-    match outcome {
-        Ok(code) => code,
+    match command.run(&mut out).and_then(|()| Ok(out.flush()?)) {
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => explain(&error),
     }
 }
@@ -39,6 +35,9 @@ fn explain(error: &anyhow::Error) -> ExitCode {
     if let Some(usage) = error.downcast_ref::<clap::Error>() {
         let _ = usage.print();
         return ExitCode::from(2);
+    }
+    if error.is::<advice::AlreadySaid>() {
+        return ExitCode::FAILURE;
     }
     let _ = writeln!(io::stderr(), "brdf: {error:#}{}", advice::on_error(error));
     ExitCode::FAILURE

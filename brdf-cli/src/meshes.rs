@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use brdf_files::{FileError, MappedFile};
 use brdf_mesh::{Camera, Mesh, MeshNotes, Soup, UvSource, parse_mesh};
-use clap::ValueEnum;
 use glam::DVec3;
 
-use crate::args::two_angles;
+use crate::args::numbers;
 
 /// A mesh and where it is seen from.
 #[derive(Clone, Debug, clap::Args)]
@@ -41,7 +40,7 @@ pub(crate) struct ViewArgs {
     #[arg(
         long,
         value_name = "AZIMUTH,ELEVATION",
-        value_parser = two_angles,
+        value_parser = numbers::<2>("two numbers, such as 30,0"),
         allow_hyphen_values = true
     )]
     view_deg: Option<[f64; 2]>,

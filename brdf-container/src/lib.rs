@@ -54,6 +54,7 @@ mod head;
 mod info;
 mod open;
 mod painted;
+mod piece_log;
 mod projections;
 mod relight;
 mod scene;
@@ -75,6 +76,7 @@ pub use head::{Kind, kind_of, looks_like_container};
 pub use info::MaterialInfo;
 pub use open::{Content, MaterialFile, OpenError, PRESET};
 pub use painted::{PaintedFile, read_painted, write_painted};
+pub use piece_log::{PieceError, PieceLog};
 pub use projections::{ProjectionFile, read_projection_source, read_projections};
 pub use relight::{RelightFile, read_piece, read_relight, write_piece, write_relight};
 pub use scene::{

@@ -25,6 +25,14 @@ impl BtfModel {
         }
     }
 
+    /// Returns the index of the texture of this name, or of this number, counted from 1; `None` if there is none.
+    pub fn texture_named(&self, name: &str) -> Option<usize> {
+        let textures = self.textures();
+        let number = name.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        let named = textures.iter().position(|texture| texture.name == name);
+        named.or(number).filter(|index| *index < textures.len())
+    }
+
     /// Returns the name and the bytes of each stream, without headers.
     pub fn stream_bytes(&self) -> Vec<(String, usize)> {
         match self {

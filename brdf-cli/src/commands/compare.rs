@@ -2,7 +2,6 @@
 
 use std::io::{Write, stderr};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_container::{MaterialFile, match_folders};
@@ -80,7 +79,7 @@ enum MetricsArg {
 }
 
 impl Compare {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         if self.metrics == MetricsArg::Basic && !self.env.is_empty() {
             return Err(usage("--env is for --metrics all"));
         }

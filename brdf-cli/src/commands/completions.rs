@@ -1,7 +1,6 @@
 //! `brdf completions`.
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use clap::CommandFactory as _;
 use clap_complete::Shell;
@@ -18,10 +17,10 @@ pub(super) struct Completions {
 }
 
 impl Completions {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut Cli::command(), "brdf", &mut script);
         out.write_all(&script)?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use brdf_container::{Converted, MaterialFile, Tabulated};
@@ -45,7 +44,7 @@ pub(super) struct Convert {
 type Encoder = fn(&Convert, &MaterialFile) -> anyhow::Result<(Vec<u8>, String)>;
 
 impl Convert {
-    pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_lowercase());
         let encode: Encoder = match extension.as_deref() {
             Some("binary") => Self::merl,
@@ -66,7 +65,7 @@ impl Convert {
             writeln!(std::io::stderr(), "{note}")?;
         }
         writeln!(std::io::stderr(), "{said}")?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     fn merl(&self, material: &MaterialFile) -> anyhow::Result<(Vec<u8>, String)> {

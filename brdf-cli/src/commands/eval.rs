@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_container::{Content, Evaluated};
 use brdf_factor::EvalCounts;
@@ -36,7 +35,7 @@ pub(super) struct Eval {
 }
 
 impl Eval {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let material = self.read.open(&self.model)?;
         let bytes = MappedFile::open(&self.directions)?;
         let rows = direction_rows(&String::from_utf8_lossy(&bytes))
@@ -80,6 +79,6 @@ impl Eval {
                 counts.clamped_below_zero
             )?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -1,11 +1,10 @@
 //! `brdf info`.
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use brdf_report::info_text;
 
-use crate::advice::{on_error, read_notes};
+use crate::advice::{AlreadySaid, on_error, read_notes};
 use crate::args::ReadArgs;
 use crate::progress::Watch;
 
@@ -31,7 +30,7 @@ pub(super) struct Info {
 }
 
 impl Info {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let watch = Watch::start();
         let mut failed = false;
         let mut all = Vec::new();
@@ -50,6 +49,6 @@ impl Info {
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&all)?)?;
         }
-        Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+        if failed { Err(AlreadySaid.into()) } else { Ok(()) }
     }
 }

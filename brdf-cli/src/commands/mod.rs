@@ -15,7 +15,6 @@ mod sample;
 mod study;
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
@@ -54,7 +53,7 @@ enum Command {
 }
 
 impl Cli {
-    pub(crate) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(crate) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         match self.command {
             Command::Factor(command) => command.run(out),
             Command::Info(command) => command.run(out),

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use brdf_container::{Content, MaterialFile};
@@ -20,7 +19,7 @@ use brdf_report::{
 use brdf_study::TestFunction;
 use clap::ValueEnum;
 
-use crate::args::{ForceArgs, ReadArgs, usage};
+use crate::args::{ForceArgs, ReadArgs, usage, within};
 use crate::choices::SpaceArg;
 use crate::progress::Watch;
 
@@ -57,11 +56,11 @@ pub(super) struct PlotArgs {
     space: SpaceArg,
 
     /// Azimuths of slices, degrees
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [0.0, 45.0, 90.0, 135.0, 180.0], value_parser = azimuth, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [0.0, 45.0, 90.0, 135.0, 180.0], value_parser = within(-360.0..=360.0, "degrees from -360 to 360"), allow_hyphen_values = true)]
     azimuth_deg: Vec<f64>,
 
     /// Incidences of lobes, degrees
-    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [0.0, 30.0, 60.0, 75.0], value_parser = incidence)]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', default_values_t = [0.0, 30.0, 60.0, 75.0], value_parser = within(0.0..90.0, "degrees from 0 to below 90"))]
     incidence_deg: Vec<f64>,
 
     #[command(flatten)]
@@ -81,20 +80,6 @@ enum Kind {
     Coverage,
     Parametrizations,
     RankError,
-}
-
-fn incidence(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(angle) if (0.0..90.0).contains(&angle) => Ok(angle),
-        _ => Err("expected degrees from 0 to below 90".to_owned()),
-    }
-}
-
-fn azimuth(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(angle) if (-360.0..=360.0).contains(&angle) => Ok(angle),
-        _ => Err("expected degrees from -360 to 360".to_owned()),
-    }
 }
 
 /// A material, or a test function of the parametrization study.
@@ -131,7 +116,7 @@ impl Plotted {
 const FUNCTION: &str = "function:";
 
 impl PlotArgs {
-    pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_lowercase());
         let as_png = match extension.as_deref() {
             Some("svg") => false,
@@ -145,7 +130,7 @@ impl PlotArgs {
         drop(watch);
         write_atomically(&self.output, &bytes, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     fn plot(&self, watch: &Watch) -> anyhow::Result<Plot> {

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_container::MaterialFile;
@@ -63,7 +62,7 @@ pub(super) struct Render {
 }
 
 impl Render {
-    pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
         let is_png = self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         if !is_png {
             bail!("{}: unknown extension; expected .png", self.output.display());
@@ -100,6 +99,6 @@ impl Render {
         drop(watch);
         write_atomically(&self.output, &encode_png(&picture)?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::process::ExitCode;
 
 use brdf_io::write_samples;
 use brdf_model::PairSampling;
@@ -41,7 +40,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let file = self.read.open(&self.model)?;
         let material = file.material();
         let sampling = PairSampling {
@@ -64,6 +63,6 @@ impl Sample {
             write!(said, "; {} with a negative channel set to 0", samples.clamped())?;
         }
         writeln!(std::io::stderr(), "{said}")?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_container::MaterialFile;
@@ -57,7 +56,7 @@ pub(super) struct Study {
 const PICTURED: usize = 8;
 
 impl Study {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let options = self.read.options();
         let mut files = Vec::new();
         for input in &self.inputs {

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
@@ -54,7 +53,7 @@ pub(in crate::commands) struct Add {
 }
 
 impl Add {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let start = Instant::now();
         let file = open_compressed_btf(&self.model)?;
         let BtfModel::Vq(model) = &file.model else {

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::Context as _;
 use brdf_container::{BrdfComparison, TextureComparison, open_compressed_btf};
@@ -46,7 +45,7 @@ pub(in crate::commands) struct Compare {
 }
 
 impl Compare {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         if is_brdf(&self.input) {
             return self.compare_brdfs(out);
         }
@@ -77,7 +76,7 @@ impl Compare {
     }
 
     /// Every BRDF of the input with the texture of its name.
-    fn compare_brdfs(&self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    fn compare_brdfs(&self, out: &mut impl Write) -> anyhow::Result<()> {
         let file = open_compressed_btf(&self.model.model)?;
         let files = open_brdfs(&self.input)?;
         let watch = Watch::start();

@@ -2,11 +2,9 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use btf_vq::{GridChoice, LightParametrization};
-use clap::ValueEnum;
 
 use super::encoding::{ModeArg, SizeArgs, Target};
 use super::inputs::Inputs;
@@ -86,7 +84,7 @@ fn nodes(text: &str) -> Result<Nodes, String> {
 }
 
 impl Compress {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let start = Instant::now();
         let settings = self.sizes.settings(self.mode.into())?;
         let grid = GridChoice {

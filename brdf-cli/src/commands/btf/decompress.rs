@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_report::percent;
 use btf_io::{DecompressReport, UboWriter, write_decompressed};
@@ -36,7 +35,7 @@ pub(in crate::commands) struct Decompress {
 }
 
 impl Decompress {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let model = self.model.open()?;
         let reader = model.reader()?;
         let (width, height) = reader.size(0);

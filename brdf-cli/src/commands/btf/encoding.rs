@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::anyhow;
@@ -107,7 +106,7 @@ impl Target<'_> {
         base: Option<&Base>,
         watch: Watch,
         out: &mut impl Write,
-    ) -> anyhow::Result<ExitCode> {
+    ) -> anyhow::Result<()> {
         let size = |model: &_, made: &_| write_btf(model, made).map_or(usize::MAX, |f| f.len());
         let made = watch.run(|job| compress(inputs, settings, base, &size, job));
         let Compressed { model, record, .. } = &made.as_ref().map_err(advise)?;

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_files::{FileError, MappedFile};
@@ -37,7 +36,7 @@ pub(in crate::commands) struct Eval {
 }
 
 impl Eval {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let model = self.model.open()?;
         let reader = model.reader()?;
         if self.level >= reader.levels() {
@@ -67,6 +66,6 @@ impl Eval {
         if below > 0 {
             writeln!(std::io::stderr(), "{below} rows below the horizon (0)")?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

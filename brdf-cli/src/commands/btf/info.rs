@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_container::{looks_like_container, open_compressed_btf};
 use brdf_files::MappedFile;
@@ -25,7 +24,7 @@ pub(in crate::commands) struct Info {
 }
 
 impl Info {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let is_model =
             self.input.is_file() && looks_like_container(&MappedFile::open(&self.input)?);
         let facts = if is_model {
@@ -35,7 +34,7 @@ impl Info {
         };
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&facts)?)?;
-            return Ok(ExitCode::SUCCESS);
+            return Ok(());
         }
         writeln!(out, "{}", self.input.display())?;
         for (key, value) in facts.as_object().into_iter().flatten() {
@@ -46,7 +45,7 @@ impl Info {
                 other => writeln!(out, "  {key}: {}", plain(other))?,
             }
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 

@@ -44,17 +44,11 @@ pub(super) struct ModelArgs {
 impl ModelArgs {
     pub(super) fn open(&self) -> anyhow::Result<OpenModel> {
         let file = open_compressed_btf(&self.model)?;
-        let textures = file.model.textures();
-        let number = self.texture.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
-        let named = textures.iter().position(|t| t.name == self.texture);
-        let texture = named.or(number).filter(|at| *at < textures.len()).ok_or_else(|| {
+        let texture = file.model.texture_named(&self.texture).ok_or_else(|| {
+            let textures = file.model.textures();
             let names: Vec<&str> = textures.iter().map(|t| t.name.as_str()).collect();
-            anyhow!(
-                "{}: no texture {}; it has {}",
-                self.model.display(),
-                self.texture,
-                names.join(", ")
-            )
+            let (path, names) = (self.model.display(), names.join(", "));
+            anyhow!("{path}: no texture {}; it has {names}", self.texture)
         })?;
         Ok(OpenModel { file, texture })
     }

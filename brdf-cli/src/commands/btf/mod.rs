@@ -15,7 +15,6 @@ mod study;
 mod synth;
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use clap::Subcommand;
 
@@ -38,7 +37,7 @@ pub(super) enum Btf {
 }
 
 impl Btf {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         match self {
             Self::Synth(command) => command.run(out),
             Self::Info(command) => command.run(out),

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_files::write_atomically;
 use brdf_image::{ToneMap, encode_png};
@@ -77,7 +76,7 @@ choices! {
 }
 
 impl Render {
-    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
         if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
             return Err(usage(format!(
                 "{}: expected a name that ends in .png",
@@ -108,6 +107,6 @@ impl Render {
             self.exposure.map_or_else(|| ToneMap::exposed_for(&film), |e| ToneMap { exposure: e });
         write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

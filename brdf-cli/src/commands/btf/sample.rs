@@ -1,14 +1,13 @@
 //! `brdf btf sample`.
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_param::spherical_direction;
 use btf_vq::{DrawParams, DrawnLight, draw_lights};
 
 use super::loading::ModelArgs;
-use crate::args::TableArgs;
+use crate::args::{TableArgs, numbers};
 
 /// Draw light directions for a view, distributed as the luminance that a compressed BTF stores
 ///
@@ -23,7 +22,7 @@ pub(in crate::commands) struct Sample {
     model: ModelArgs,
 
     /// View: polar angle and azimuth, degrees
-    #[arg(long, value_name = "THETA,PHI", value_parser = pair, allow_hyphen_values = true)]
+    #[arg(long, value_name = "THETA,PHI", value_parser = numbers::<2>("two numbers, such as 45,0"), allow_hyphen_values = true)]
     view_deg: [f64; 2],
 
     /// Number of directions
@@ -31,7 +30,7 @@ pub(in crate::commands) struct Sample {
     samples: u32,
 
     /// One place of the tile instead of all
-    #[arg(long, value_name = "U,V", value_parser = pair, allow_hyphen_values = true)]
+    #[arg(long, value_name = "U,V", value_parser = numbers::<2>("two numbers, such as 45,0"), allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
 
     /// Which scramble of the sequence
@@ -42,16 +41,8 @@ pub(in crate::commands) struct Sample {
     table: TableArgs,
 }
 
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some([a, b]) if a.is_finite() && b.is_finite() => Ok([*a, *b]),
-        _ => Err("expected two numbers, such as 45,0".to_owned()),
-    }
-}
-
 impl Sample {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let [theta, phi] = self.view_deg;
         if !(0.0..90.0).contains(&theta) {
             bail!("--view-deg {theta},{phi}: expected a polar angle from 0 to below 90");
@@ -75,6 +66,6 @@ impl Sample {
         self.table.write(&table, out)?;
         let [r, g, b] = albedo;
         writeln!(std::io::stderr(), "albedo {r:.4} {g:.4} {b:.4}")?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

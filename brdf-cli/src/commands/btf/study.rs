@@ -2,13 +2,11 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_files::OutputFolder;
 use brdf_report::{rate_csv, rate_plot, rate_text};
 use btf_vq::{RateMethod, RateSettings, study_rates};
-use clap::ValueEnum;
 
 use super::inputs::{is_brdf, stem};
 use super::loading::{MemoryArgs, load, notes};
@@ -85,7 +83,7 @@ choices! {
 }
 
 impl Study {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let mut folder = OutputFolder::new(&self.output, self.force)?;
         if is_brdf(&self.input) {
             bail!("{}: expected the images of a BTF", self.input.display());

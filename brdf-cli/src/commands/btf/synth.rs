@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use brdf_report::synth_text;
@@ -95,7 +94,7 @@ enum ChannelArg {
 }
 
 impl Synth {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let start = Instant::now();
         let files = self.files()?;
         let maps = read_surface(&files)?;

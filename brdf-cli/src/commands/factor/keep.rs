@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::bail;
 use brdf_container::{read_factored, write_factored};
@@ -57,7 +56,7 @@ pub(super) fn run(
     force: bool,
     json: bool,
     out: &mut impl Write,
-) -> anyhow::Result<ExitCode> {
+) -> anyhow::Result<()> {
     let mut folder = OutputFolder::new(output, force)?;
     folder.write("model.safetensors", &write_factored(kept)?)?;
     write_all(&mut folder, &kept_files(kept)?)?;
@@ -66,7 +65,7 @@ pub(super) fn run(
     let place = folder.finish()?;
     if json {
         writeln!(out, "{report}")?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(());
     }
     let textures = kept.model.factors().len();
     writeln!(
@@ -84,5 +83,5 @@ pub(super) fn run(
         )?;
     }
     writeln!(out, "{}", place.join("model.safetensors").display())?;
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }

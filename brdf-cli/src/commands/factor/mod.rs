@@ -7,7 +7,6 @@ mod separable;
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::Context as _;
@@ -137,7 +136,7 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         if let Some(kept) = self.keep.open()? {
             return keep::run(&kept, &self.output, self.force, self.json, out);
         }
@@ -193,7 +192,7 @@ impl Factor {
             }
             _ => writeln!(out, "{said}{}", place.join("report.html").display())?,
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     fn factored_settings(&self) -> anyhow::Result<FactoredSettings> {

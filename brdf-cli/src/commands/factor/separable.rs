@@ -6,7 +6,7 @@ use brdf_fit::{LogChoice, SeparableMethod, SeparableSettings};
 use brdf_param::Parametrization;
 
 use super::Factor;
-use crate::args::{memory, usage};
+use crate::args::{memory, usage, within};
 use crate::choices::{
     BoundArg, EigenSolverArg, FillArg, LogMapArg, MapArg, MethodArg, ReciprocityArg, WeightArg,
 };
@@ -41,7 +41,7 @@ pub(super) struct SeparableArgs {
     fill: Option<FillArg>,
 
     /// p of the weights cosᵖθ of both sides; .5 pays for many terms of grazing-heavy materials
-    #[arg(long, value_name = "P", value_parser = weight_power, allow_hyphen_values = true)]
+    #[arg(long, value_name = "P", value_parser = within(0.0..=8.0, "a number from 0 to 8"), allow_hyphen_values = true)]
     weight_power: Option<f64>,
 
     /// How eigenpairs are found [default: krylov]
@@ -51,13 +51,6 @@ pub(super) struct SeparableArgs {
     /// Most memory for the matrix and the work on it, such as 500M [default: 4G]
     #[arg(long, value_name = "BYTES", value_parser = memory)]
     memory_limit: Option<usize>,
-}
-
-fn weight_power(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(power) if (0.0..=8.0).contains(&power) => Ok(power),
-        _ => Err("expected a number from 0 to 8".to_owned()),
-    }
 }
 
 impl SeparableArgs {

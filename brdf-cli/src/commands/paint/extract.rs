@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
@@ -130,7 +129,7 @@ enum LogMapArg {
 }
 
 impl Extract {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let start = Instant::now();
         let scene = SceneFolder::open(&self.scene)?;
         let views = &scene.scene.views;
@@ -206,7 +205,7 @@ impl Extract {
         if self.json {
             let json = files.last().map_or(&[][..], |ResultFile { bytes, .. }| bytes);
             out.write_all(json)?;
-            return Ok(ExitCode::SUCCESS);
+            return Ok(());
         }
         writeln!(out, "{}: {}", self.output.display(), shown_bytes(bytes.len()))?;
         let (rms, samples) = (significant(report.rms.train), report.samples);
@@ -215,7 +214,7 @@ impl Extract {
             writeln!(out, "  RMS {} of pixels that were not used", significant(rms))?;
         }
         report.notes.iter().try_for_each(|note| writeln!(out, "  {note}"))?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// Errors of views and lights between the painted ones, where what was painted is known.

@@ -5,7 +5,6 @@ mod preview;
 mod setup;
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use clap::Subcommand;
 
@@ -22,7 +21,7 @@ pub(super) enum Paint {
 }
 
 impl Paint {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         match self {
             Self::Setup(command) => command.run(out),
             Self::Extract(command) => command.run(out),

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_container::read_painted;
 use brdf_files::{FileError, MappedFile, write_atomically};
@@ -55,7 +54,7 @@ pub(in crate::commands) struct Preview {
 }
 
 impl Preview {
-    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
         if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
             let name = self.output.display();
             return Err(usage(format!("{name}: expected a name that ends in .png")));
@@ -89,6 +88,6 @@ impl Preview {
         let tone = self.exposure.map_or(usual, |exposure| ToneMap { exposure });
         write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use brdf_container::{
@@ -68,7 +67,7 @@ pub(in crate::commands) struct Setup {
 }
 
 impl Setup {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         if !matches!(self.truth.len(), 0 | 3) {
             let count = self.truth.len();
             return Err(usage(format!(
@@ -143,7 +142,7 @@ impl Setup {
                 prepared.lit_pixels
             )?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     fn open_views(&self, mesh: &Mesh) -> anyhow::Result<Vec<PaintView>> {

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_relight::{SpeedParams, SpeedReport, measure_speed};
 use brdf_report::speed_text;
@@ -37,7 +36,7 @@ pub(in crate::commands) struct Bench {
 }
 
 impl Bench {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);

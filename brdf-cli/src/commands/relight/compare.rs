@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::Context as _;
 use brdf_container::MaterialFile;
@@ -42,7 +41,7 @@ pub(in crate::commands) struct Compare {
 }
 
 impl Compare {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let subject = MaterialFile::open(&self.brdf, &ReadOptions::default())?;

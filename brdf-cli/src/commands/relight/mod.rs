@@ -9,7 +9,6 @@ mod sweep;
 mod turntable;
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use clap::Subcommand;
 
@@ -29,7 +28,7 @@ pub(super) enum Relight {
 }
 
 impl Relight {
-    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         match self {
             Self::Precompute(command) => command.run(out),
             Self::Render(command) => command.run(out),

@@ -2,12 +2,10 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::Context as _;
-use brdf_container::{MaterialFile, read_piece, write_piece, write_relight};
-use brdf_files::{ChunkLog, check_overwrite, write_atomically};
+use brdf_container::{MaterialFile, PieceError, PieceLog, write_relight};
+use brdf_files::{check_overwrite, write_atomically};
 use brdf_io::ReadOptions;
 use brdf_relight::{
     Codec, LightMaps, MapParams, ObjectParams, ObjectPrecomputation, PrecomputeParams,
@@ -16,7 +14,7 @@ use brdf_relight::{
 use brdf_report::bytes as shown_bytes;
 use clap::ValueEnum;
 
-use crate::args::{ForceArgs, not_negative, show, usage};
+use crate::args::{ForceArgs, not_negative, show, usage, within};
 use crate::meshes::open_mesh;
 use crate::progress::Watch;
 
@@ -53,7 +51,7 @@ pub(in crate::commands) struct Precompute {
     codec: CodecArg,
 
     /// Clusters: share of an open vertex's energy below which numbers are dropped [default: 1e-5]
-    #[arg(long, value_name = "SHARE", value_parser = tolerance)]
+    #[arg(long, value_name = "SHARE", value_parser = within(1e-9..=0.1, "a share from 1e-9 to .1, such as 1e-5"))]
     tolerance: Option<f64>,
 
     /// Wavelet: most coefficients of each vertex and term [default: 96]
@@ -119,15 +117,8 @@ enum CodecArg {
     Clusters,
 }
 
-fn tolerance(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(share) if (1e-9..=0.1).contains(&share) => Ok(share),
-        _ => Err("expected a share from 1e-9 to .1, such as 1e-5".to_owned()),
-    }
-}
-
 impl Precompute {
-    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let start = Instant::now();
         check_overwrite(&self.output, self.force.overwrite())?;
         let mesh = open_mesh(&self.mesh, None)?;
@@ -135,14 +126,16 @@ impl Precompute {
         let (maps, precompute) = (self.map_params(), self.params()?);
         let params = ObjectParams { maps, precompute, has_ground: self.ground };
         let watch = Watch::start();
-        let (work, log, resumed) = watch.run(|job| -> anyhow::Result<_> {
+        let (work, log) = watch.run(|job| -> anyhow::Result<_> {
             let [factoring, looking] = job.split([0.1, 1.0]);
             let mut work = ObjectPrecomputation::new(&mesh, material.brdf(), params, &factoring)?;
-            let (mut log, resumed) = watch.aside(|| self.log(&beside(&self.output), &mut work))?;
-            work.run(&looking, &mut |piece, chunk| -> anyhow::Result<()> {
-                Ok(log.append(&write_piece(piece, chunk))?)
-            })?;
-            Ok((work, log, resumed))
+            let mut log = PieceLog::open(&self.output, self.resume, &mut work)?;
+            if let Some(note) = log.note(self.resume) {
+                let advice = if self.resume { "" } else { " without --resume" };
+                watch.aside(|| writeln!(std::io::stderr(), "{note}{advice}"))?;
+            }
+            work.run(&looking, &mut |piece, chunk| Ok::<_, PieceError>(log.append(piece, chunk)?))?;
+            Ok((work, log))
         })?;
         watch.step("ordering");
         let parts = work.finish()?;
@@ -154,11 +147,12 @@ impl Precompute {
         };
         let bytes = write_relight(&parts, &record)?;
         write_atomically(&self.output, &bytes, self.force.overwrite())?;
-        log.remove()?;
         drop(watch);
         let output = self.output.to_string_lossy();
         let seconds = start.elapsed().as_secs_f64();
-        let report = PrecomputeReport::new(&output, &parts, resumed, bytes.len(), seconds, record);
+        let report =
+            PrecomputeReport::new(&output, &parts, log.resumed(), bytes.len(), seconds, record);
+        log.remove()?;
         show(out, self.json, &report, || {
             let (size, vertices) = (shown_bytes(report.bytes), report.vertices);
             format!(
@@ -203,44 +197,6 @@ impl Precompute {
         };
         Ok(PrecomputeParams { codec, quality: self.quality.into() })
     }
-
-    /// The log of a run, with what an interrupted one left in it; the number of vertices that are done.
-    fn log(
-        &self,
-        path: &Path,
-        work: &mut ObjectPrecomputation,
-    ) -> anyhow::Result<(ChunkLog, usize)> {
-        let shown = path.display();
-        let key = &work.key();
-        let was_interrupted = path.exists();
-        if !self.resume {
-            if was_interrupted {
-                writeln!(
-                    std::io::stderr(),
-                    "{shown}: left by an interrupted run; begun anew without --resume"
-                )?;
-            }
-            return Ok((ChunkLog::create(path, key)?, 0));
-        }
-        let (log, chunks) = ChunkLog::resume(path, key)?;
-        if chunks.is_empty() {
-            let found = if was_interrupted { "of other work" } else { "not there" };
-            writeln!(std::io::stderr(), "{shown}: {found}; begun anew")?;
-        }
-        let mut resumed = 0;
-        for bytes in &chunks {
-            let (piece, chunk) = read_piece(bytes).with_context(|| shown.to_string())?;
-            resumed += work.take(piece, chunk).with_context(|| shown.to_string())?;
-        }
-        Ok((log, resumed))
-    }
-}
-
-/// Where the chunks of a run are kept until its end.
-fn beside(output: &Path) -> PathBuf {
-    let mut name = output.as_os_str().to_owned();
-    name.push(".part");
-    name.into()
 }
 
 fn file_name(path: &Path) -> String {

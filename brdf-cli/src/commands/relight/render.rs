@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_files::write_atomically;
 use brdf_image::{ToneMap, encode_png};
@@ -39,7 +38,7 @@ pub(in crate::commands) struct Render {
 }
 
 impl Render {
-    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
         if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
             let name = self.output.display();
             return Err(usage(format!("{name}: expected a name that ends in .png")));
@@ -65,6 +64,6 @@ impl Render {
             writeln!(err, "{negative} of {points} points are below 0 in a channel, set to 0")?;
         }
         writeln!(err, "{}", self.output.display())?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use brdf_files::OutputFolder;
 use brdf_image::encode_png;
@@ -60,7 +59,7 @@ enum TurnArg {
 }
 
 impl Turntable {
-    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<ExitCode> {
+    pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
         let loaded = Loaded::open(&self.object)?;
         let file = loaded.parse()?;
         let (mesh, environment) = (mesh_of(&file)?, self.light.environment()?);
@@ -93,6 +92,6 @@ impl Turntable {
         folder.write("report.json", sorted_json(&report)?.as_bytes())?;
         folder.finish()?;
         writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
