@@ -113,7 +113,7 @@ fn btf_commands_print_what_the_schemas_say() {
     holds(
         root,
         "btf-study",
-        "btf study c-images --methods lpca --ratios 20 --every 2000 --json -o btf-study",
+        "btf study c-images --methods lpca --ratios 5 --every 2000 --json -o btf-study",
     );
 }
 
