@@ -10,7 +10,7 @@ use brdf_job::{Cancel, Job, Progress};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 /// Parts of the bar.
-const LENGTH: f64 = 10_000.0;
+const LENGTH: u32 = 10_000;
 
 /// Shows the progress of a command's jobs on standard error if that is a terminal, and asks them to stop at the first
 /// Ctrl-C; the second ends the program, and so does the first where no job is going on. A command has one.
@@ -23,7 +23,7 @@ pub(crate) struct Watch {
 
 impl Watch {
     pub(crate) fn start() -> Self {
-        let bar = ProgressBar::new(LENGTH as u64);
+        let bar = ProgressBar::new(LENGTH.into());
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {bar:24} {left}") {
             bar.set_style(style.with_key("left", left));
         }
@@ -45,7 +45,7 @@ impl Watch {
         let show = |progress: &Progress<'_>| {
             self.bar.set_message(progress.stage.to_owned());
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share")]
-            self.bar.set_position((progress.fraction * LENGTH) as u64);
+            self.bar.set_position((progress.fraction * f64::from(LENGTH)) as u64);
         };
         self.is_watched.store(true, Ordering::SeqCst);
         let done = work(&Job::watched_by(&show).with_cancel(&self.cancel));

@@ -1,18 +1,10 @@
 //! `brdf paint` from a scene to a picture, and preinverted factorization.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::missing_panics_doc,
-    reason = "a test that cannot go on has failed"
-)]
-
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{brdf, fail, succeed};
 use serde_json::Value;
-use support::{brdf, fail, succeed};
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&succeed(folder, arguments)).expect("JSON")

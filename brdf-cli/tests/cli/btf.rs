@@ -1,13 +1,5 @@
 //! `brdf btf` from maps to pictures, on a tiny texture.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::missing_panics_doc,
-    reason = "a test that cannot go on has failed"
-)]
-
-mod support;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -19,11 +11,11 @@ fn in_btf<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
 }
 
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    support::succeed(folder, &in_btf(arguments))
+    crate::support::succeed(folder, &in_btf(arguments))
 }
 
 fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
-    support::fail(folder, &in_btf(arguments), code)
+    crate::support::fail(folder, &in_btf(arguments), code)
 }
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {

@@ -1,12 +1,10 @@
 //! What commands print as JSON, held against the schemas under `docs/schema`, which are those of the records.
 
-mod support;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::support::succeed;
 use serde_json::Value;
-use support::succeed;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/schema")

@@ -1,21 +1,13 @@
 //! The binary as people and pipelines use it: exit codes, streams, files.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::missing_panics_doc,
-    reason = "a test that cannot go on has failed"
-)]
-
-mod support;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::support::{brdf, fail, succeed, text};
 use brdf_image::DisplayImage;
 use brdf_image::encode_png;
 use serde_json::Value;
-use support::{brdf, fail, succeed, text};
 use tempfile::TempDir;
 
 fn json(text: &str) -> Value {
