@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::fmt;
 
-use brdf_container::{ContainerError, Kind, OpenError, Paintings};
+use brdf_container::{ContainerError, Kind, OpenError, Paintings, SceneError};
 use brdf_files::FileError;
 use brdf_fit::FitNote;
 use brdf_io::{FormatError, ReadNote};
@@ -73,6 +73,9 @@ pub(crate) fn on_error(error: &anyhow::Error) -> &'static str {
         });
         opened.or(cause.downcast_ref::<FileError>())
     });
+    if let Some(SceneError::Tiled { .. }) = error.downcast_ref() {
+        return "; give --uv sphere or atlas";
+    }
     match file_error {
         Some(FileError::InTheWay { .. }) => " or pass --force",
         Some(FileError::Content { problem, .. }) => on_content(problem.as_ref()),

@@ -1,16 +1,14 @@
 //! Arguments that several commands share, and the choices behind them.
 
-use std::io::Write;
 use std::ops::Bound::{Excluded, Included};
 use std::ops::RangeBounds;
 use std::path::{Path, PathBuf};
 
 use brdf_container::MaterialFile;
-use brdf_files::{FileError, MappedFile, OutputFolder, Overwrite, write_atomically};
+use brdf_files::{FileError, MappedFile};
 use brdf_io::{ColumnMap, ReadOptions};
 use brdf_model::{Channels, MerlLookup, MerlNodes};
 use brdf_render::{DirectionalLight, Environment, Light};
-use brdf_report::ResultFile;
 use clap::CommandFactory as _;
 use clap::error::ErrorKind;
 
@@ -131,20 +129,6 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     within((Excluded(0.0), Excluded(f64::INFINITY)), "a number above 0")(text)
 }
 
-/// What may be overwritten.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub(crate) struct ForceArgs {
-    /// Overwrite a file that brdf did not write
-    #[arg(long)]
-    force: bool,
-}
-
-impl ForceArgs {
-    pub(crate) fn overwrite(self) -> Overwrite {
-        if self.force { Overwrite::Anything } else { Overwrite::Ours }
-    }
-}
-
 /// What lights a picture.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Lighting")]
@@ -176,40 +160,6 @@ impl LightArgs {
 pub(crate) fn environment(path: &Path) -> Result<Environment, FileError> {
     let bytes = MappedFile::open(path)?;
     Environment::from_hdr(&bytes).map_err(FileError::content(path))
-}
-
-/// Prints a record as JSON, or what `text` makes of it.
-pub(crate) fn show(
-    out: &mut impl Write,
-    is_json: bool,
-    record: &impl serde::Serialize,
-    text: impl FnOnce() -> String,
-) -> anyhow::Result<()> {
-    if is_json {
-        writeln!(out, "{}", serde_json::to_string_pretty(record)?)?;
-    } else {
-        out.write_all(text().as_bytes())?;
-    }
-    Ok(())
-}
-
-/// Writes the files of a folder of results.
-pub(crate) fn write_all(folder: &mut OutputFolder, files: &[ResultFile]) -> Result<(), FileError> {
-    files.iter().try_for_each(|file| folder.write(&file.name, &file.bytes))
-}
-
-/// The command line, quoted where a shell would need it.
-pub(crate) fn command_line() -> String {
-    let quoted = |word: String| {
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,@%+".contains(c);
-        if !word.is_empty() && word.chars().all(plain) {
-            word
-        } else {
-            format!("'{}'", word.replace('\'', "'\\''"))
-        }
-    };
-    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
-    std::iter::once("brdf".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 /// Bytes from a number with an optional unit: 500M, 1.5G.
@@ -248,28 +198,4 @@ pub(crate) fn resolution(text: &str) -> Result<[usize; 2], String> {
 /// A usage error of a subcommand, with exit code 2.
 pub(crate) fn usage(message: impl std::fmt::Display) -> anyhow::Error {
     Cli::command().error(ErrorKind::ArgumentConflict, message).into()
-}
-
-/// Where a table goes.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct TableArgs {
-    /// Output file; - or nothing for standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-
-    #[command(flatten)]
-    force: ForceArgs,
-}
-
-impl TableArgs {
-    /// Writes a table to where it goes.
-    pub(crate) fn write(&self, table: &str, out: &mut impl Write) -> anyhow::Result<()> {
-        match self.output.as_deref() {
-            Some(path) if path != Path::new("-") => {
-                write_atomically(path, table.as_bytes(), self.force.overwrite())?;
-            }
-            _ => out.write_all(table.as_bytes())?,
-        }
-        Ok(())
-    }
 }

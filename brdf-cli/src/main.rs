@@ -7,6 +7,7 @@ mod advice;
 mod args;
 mod commands;
 mod meshes;
+mod outputs;
 mod progress;
 
 use std::io::{self, ErrorKind, Write as _};

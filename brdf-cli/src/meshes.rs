@@ -3,8 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use brdf_files::{FileError, MappedFile};
-use brdf_mesh::{Camera, Mesh, MeshNotes, Soup, UvSource, parse_mesh};
+use brdf_mesh::{Camera, Mesh, UvSource};
 use glam::DVec3;
 
 use crate::args::numbers;
@@ -77,28 +76,11 @@ choices! {
     }
 }
 
-/// Texels of the page that charts are packed on: distances between them hold for maps up to this size.
-const ATLAS_SIZE: usize = 256;
-
-/// The mesh that needs no file.
-pub(crate) const TORUS: &str = "shape:torus";
-
-/// Reads a mesh, says what was repaired, and gives it the texture coordinates asked for.
+/// Opens a mesh and says what was repaired.
 pub(crate) fn open_mesh(path: &Path, uv: Option<UvSource>) -> anyhow::Result<Mesh> {
-    let (mesh, notes) =
-        if path == Path::new(TORUS) { Mesh::new(Soup::torus())? } else { read_mesh(path)? };
+    let (mesh, notes) = brdf_container::open_mesh(path, uv)?;
     for line in notes.lines() {
         writeln!(std::io::stderr(), "{}: {line}", path.display())?;
     }
-    Ok(match uv {
-        None => mesh,
-        Some(UvSource::Sphere) => mesh.with_sphere_coordinates(),
-        Some(UvSource::Atlas) => mesh.with_atlas(ATLAS_SIZE)?,
-        Some(UvSource::File) if mesh.uv_source() == UvSource::File => mesh,
-        Some(UvSource::File) => return Err(brdf_mesh::MeshError::NoTextureCoordinates.into()),
-    })
-}
-
-fn read_mesh(path: &Path) -> Result<(Mesh, MeshNotes), FileError> {
-    parse_mesh(&MappedFile::open(path)?).map_err(FileError::content(path))
+    Ok(mesh)
 }

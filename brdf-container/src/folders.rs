@@ -1,27 +1,80 @@
-//! Folders of materials, matched by name.
+//! Folders of materials, matched by name and compared.
 
 use std::path::{Path, PathBuf};
 
 use brdf_files::FileError;
+use brdf_fit::{Comparison, Distribution, FolderComparison};
 
-/// References and the models of the same name.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct MatchedFolders {
-    /// Name, reference, and a model of each folder, in alphabetical order.
-    pub materials: Vec<(String, PathBuf, Vec<PathBuf>)>,
-    /// References without a model in a folder, and models without a reference, with the reason.
-    pub unmatched: Vec<String>,
-    /// References in all.
-    pub references: usize,
+/// Folders that cannot be compared.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FolderError {
+    /// A folder that cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A file among the folders.
+    #[error("{name}: not a folder; the reference is one, so every model must be")]
+    NotAFolder {
+        /// What was given.
+        name: String,
+    },
+    /// No material is in all of them.
+    #[error(
+        "{folder}: none of {references} references has a model of the same name in every folder"
+    )]
+    NoneMatched {
+        /// The folder of references.
+        folder: String,
+        /// Number of references.
+        references: usize,
+    },
 }
 
-/// Returns the references of a folder with the models of the same name (`NAME.*` or `NAME/model.safetensors`) in each of
-/// several others.
+/// Compares the models of several folders with the references of the same name (`NAME.*` or `NAME/model.safetensors`),
+/// each group by `compare`, which gets the reference and a model of each folder.
 ///
 /// # Errors
 ///
-/// [`FileError::File`] for a folder that cannot be read.
-pub fn match_folders(references: &Path, models: &[&Path]) -> Result<MatchedFolders, FileError> {
+/// [`FolderError`]; what `compare` says.
+pub fn compare_folders<E: From<FolderError>>(
+    references: &str,
+    models: &[String],
+    mut compare: impl FnMut(&str, &[String]) -> Result<Comparison, E>,
+) -> Result<FolderComparison, E> {
+    if let Some(name) = models.iter().find(|folder| !Path::new(folder).is_dir()) {
+        return Err(FolderError::NotAFolder { name: name.clone() }.into());
+    }
+    let folders: Vec<&Path> = models.iter().map(Path::new).collect();
+    let matched = match_folders(Path::new(references), &folders).map_err(FolderError::from)?;
+    if matched.materials.is_empty() {
+        let (folder, references) = (references.to_owned(), matched.references);
+        return Err(FolderError::NoneMatched { folder, references }.into());
+    }
+    let text = |path: &PathBuf| path.to_string_lossy().into_owned();
+    let mut materials = Vec::new();
+    for (name, reference, models) in &matched.materials {
+        let models: Vec<String> = models.iter().map(text).collect();
+        let comparison = compare(&text(reference), &models)?;
+        materials.push(Comparison { reference: name.clone(), ..comparison });
+    }
+    let of = |(index, folder): (usize, &String)| Distribution::of(folder, index, &materials);
+    let distributions = models.iter().enumerate().map(of).collect();
+    let unmatched = matched.unmatched;
+    Ok(FolderComparison { reference: references.to_owned(), distributions, materials, unmatched })
+}
+
+/// References and the models of the same name.
+#[derive(Default)]
+struct MatchedFolders {
+    /// Name, reference, and a model of each folder, in alphabetical order.
+    materials: Vec<(String, PathBuf, Vec<PathBuf>)>,
+    /// References without a model in a folder, and models without a reference, with the reason.
+    unmatched: Vec<String>,
+    /// References in all.
+    references: usize,
+}
+
+fn match_folders(references: &Path, models: &[&Path]) -> Result<MatchedFolders, FileError> {
     let references = materials_in(references)?;
     let folders: Vec<Vec<(String, PathBuf)>> =
         models.iter().map(|folder| materials_in(folder)).collect::<Result<_, _>>()?;

@@ -52,12 +52,14 @@ mod factored;
 mod folders;
 mod head;
 mod info;
+mod mesh_file;
 mod open;
 mod painted;
 mod piece_log;
 mod projections;
 mod relight;
 mod scene;
+mod scene_folder;
 mod separable;
 mod table;
 
@@ -71,18 +73,20 @@ pub use convert::{Converted, Tabulated};
 pub use error::ContainerError;
 pub use evaluate::Evaluated;
 pub use factored::{factored_record, read_factored, write_factored};
-pub use folders::{MatchedFolders, match_folders};
+pub use folders::{FolderError, compare_folders};
 pub use head::{Kind, kind_of, looks_like_container};
 pub use info::MaterialInfo;
+pub use mesh_file::{TORUS, open_mesh};
 pub use open::{Content, MaterialFile, OpenError, PRESET};
 pub use painted::{PaintedFile, read_painted, write_painted};
 pub use piece_log::{PieceError, PieceLog};
 pub use projections::{ProjectionFile, read_projection_source, read_projections};
 pub use relight::{RelightFile, read_piece, read_relight, write_piece, write_relight};
 pub use scene::{
-    PaintScene, Painting, Paintings, SceneFolder, read_buffers, read_painting, read_scene,
-    read_views, write_buffers, write_painting, write_scene,
+    PaintScene, read_buffers, read_painting, read_scene, read_views, write_buffers, write_painting,
+    write_scene,
 };
+pub use scene_folder::{Painting, Paintings, SceneError, SceneFolder, SceneSetup};
 pub use separable::write_separable;
 pub use table::{write_samples, write_table};
 

@@ -1,13 +1,8 @@
-//! Scenes to paint: what `scene.toml` says, the buffers of its views, and the pictures that come back.
+//! What a scene to paint consists of: `scene.toml`, the buffers of its views, and the pictures that come back.
 
-use std::path::{Path, PathBuf};
-
-use brdf_files::{FileError, MappedFile};
 use brdf_image::{decode_picture, encode_exr, exr_planes, exr_size};
 use brdf_mesh::{Camera, UvSource};
-use brdf_paint::{
-    LightSource, PaintView, PaintedImage, PictureInfo, PixelSurface, TruthRecord, ViewBuffers,
-};
+use brdf_paint::{LightSource, PaintView, PaintedImage, PixelSurface, TruthRecord, ViewBuffers};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -306,137 +301,6 @@ pub fn write_painting(image: &PaintedImage) -> Result<Vec<u8>, ContainerError> {
 pub fn read_painting(bytes: &[u8]) -> Result<PaintedImage, ContainerError> {
     let picture = decode_picture(bytes)?;
     Ok(PaintedImage { width: picture.width, height: picture.height, pixels: picture.pixels })
-}
-
-/// The painting of a view: its file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Painting {
-    /// Which of the scene's views.
-    pub view: usize,
-    /// Where the picture is.
-    pub picture: PathBuf,
-}
-
-/// A folder with a scene, its buffers and its paintings.
-#[derive(Clone, Debug)]
-pub struct SceneFolder {
-    root: PathBuf,
-    /// What `scene.toml` says.
-    pub scene: PaintScene,
-}
-
-/// The paintings of a folder, and what is not one.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Paintings {
-    /// One for each view that has a painting, in the order of the views.
-    pub painted: Vec<Painting>,
-    /// Names of views without one.
-    pub missing: Vec<String>,
-    /// Files of no view.
-    pub strange: Vec<PathBuf>,
-    /// Two paintings of one view: which is meant is not known.
-    pub doubled: Option<[PathBuf; 2]>,
-}
-
-impl SceneFolder {
-    /// Opens a folder.
-    ///
-    /// # Errors
-    ///
-    /// [`FileError`]; its content as of [`read_scene`].
-    pub fn open(root: &Path) -> Result<Self, FileError> {
-        let path = root.join("scene.toml");
-        let text = std::fs::read_to_string(&path).map_err(FileError::file(&path, "reading"))?;
-        let scene = read_scene(&text).map_err(FileError::content(&path))?;
-        Ok(Self { root: root.to_owned(), scene })
-    }
-
-    /// Returns the folder of the paintings.
-    pub fn painted(&self) -> PathBuf {
-        self.root.join("painted")
-    }
-
-    /// Returns the paintings that are there: files named as views, PNG, JPEG or EXR.
-    ///
-    /// # Errors
-    ///
-    /// [`FileError::File`] for a folder that cannot be read.
-    pub fn paintings(&self) -> Result<Paintings, FileError> {
-        let pictures = files_in(&self.painted())?;
-        let mut found = Paintings::default();
-        for (index, view) in self.scene.views.iter().enumerate() {
-            let own: Vec<&PathBuf> =
-                pictures.iter().filter(|path| is_of(path, &view.name)).collect();
-            match &own[..] {
-                [] => found.missing.push(view.name.clone()),
-                [picture] => {
-                    found.painted.push(Painting { view: index, picture: (*picture).clone() });
-                }
-                [first, second, ..] => {
-                    found.doubled = Some([(*first).clone(), (*second).clone()]);
-                }
-            }
-        }
-        let views = &self.scene.views;
-        found.strange = pictures
-            .iter()
-            .filter(|path| !views.iter().any(|view| is_of(path, &view.name)))
-            .cloned()
-            .collect();
-        Ok(found)
-    }
-
-    /// Returns what there is to know of paintings before they are learned from; views of these names are held out.
-    pub fn infos(&self, paintings: &[Painting], held_out: &[String]) -> Vec<PictureInfo> {
-        let info = |painting: &Painting| {
-            let view = &self.scene.views[painting.view];
-            let is_exr =
-                painting.picture.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-            PictureInfo {
-                name: view.name.clone(),
-                white: view.white,
-                may_be_saturated: view.has_shadows && !is_exr,
-                is_held_out: held_out.contains(&view.name),
-            }
-        };
-        paintings.iter().map(info).collect()
-    }
-
-    /// Returns a painting and the buffers of its view, white as the view says.
-    ///
-    /// # Errors
-    ///
-    /// [`FileError`].
-    pub fn load(&self, painting: &Painting) -> Result<(ViewBuffers, PaintedImage), FileError> {
-        let view = &self.scene.views[painting.view];
-        let path = self.root.join("buffers").join(format!("{}.exr", view.name));
-        let buffers = read_buffers(&MappedFile::open(&path)?, self.scene.size)
-            .map_err(FileError::content(&path))?;
-        let image = read_painting(&MappedFile::open(&painting.picture)?)
-            .map_err(FileError::content(&painting.picture))?;
-        Ok((buffers, image.balanced(view.white)))
-    }
-}
-
-/// Files of a folder, in order; none if it is not there.
-fn files_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
-    if !folder.exists() {
-        return Ok(Vec::new());
-    }
-    let refused = || FileError::file(folder, "looking into");
-    let entries = std::fs::read_dir(folder).map_err(refused())?;
-    let mut paths: Vec<PathBuf> =
-        entries.map(|entry| entry.map(|e| e.path())).collect::<Result<_, _>>().map_err(refused())?;
-    paths.retain(|path| path.is_file());
-    paths.sort();
-    Ok(paths)
-}
-
-/// Whether a file is the painting of a view.
-fn is_of(path: &Path, view: &str) -> bool {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let is_picture = ending.is_some_and(|e| ["png", "jpg", "jpeg", "exr"].contains(&e.as_str()));
-    is_picture && path.file_stem().is_some_and(|stem| stem == view)
 }
 
 #[cfg(test)]

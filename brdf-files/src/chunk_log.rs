@@ -4,7 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
+use hmac_sha256::Hash;
 
 use crate::FileError;
 
@@ -80,7 +80,7 @@ impl ChunkLog {
     pub fn append(&mut self, chunk: &[u8]) -> Result<(), FileError> {
         let mut bytes = (chunk.len() as u64).to_le_bytes().to_vec();
         bytes.extend(chunk);
-        bytes.extend(&Sha256::digest(chunk)[..]);
+        bytes.extend(Hash::hash(chunk));
         self.file.write_all(&bytes).map_err(FileError::file(&self.path, "writing"))
     }
 
@@ -100,7 +100,7 @@ fn whole_chunk(bytes: &[u8]) -> Option<(&[u8], usize)> {
     let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
     let (chunk, rest) = rest.split_at_checked(length)?;
     let (hash, _) = rest.split_first_chunk::<32>()?;
-    (Sha256::digest(chunk)[..] == *hash).then_some((chunk, 8 + length + 32))
+    (Hash::hash(chunk) == *hash).then_some((chunk, 8 + length + 32))
 }
 
 #[cfg(test)]

@@ -28,6 +28,38 @@ pub enum ImageError {
         /// Bytes that there should be at least.
         expected: usize,
     },
+    /// A header that cannot be used.
+    #[error("no usable {what} header: its {found}; expected {expected}")]
+    Header {
+        /// Name of the format.
+        what: &'static str,
+        /// Content found.
+        found: String,
+        /// Expected content.
+        expected: &'static str,
+    },
+    /// The file ends too early.
+    #[error("byte {offset}: {what} runs past the end of the file ({length} bytes)")]
+    PastEnd {
+        /// Offset where the part starts, in bytes.
+        offset: usize,
+        /// Name of the part.
+        what: &'static str,
+        /// Length of the file.
+        length: usize,
+    },
+    /// A run of equal pixels that does not end with its line.
+    #[error(
+        "byte {offset}: the length of a run is {found}; expected 1 to {most}, to the end of the line"
+    )]
+    Run {
+        /// Offset of the run, in bytes.
+        offset: usize,
+        /// Length found.
+        found: usize,
+        /// Longest that fits.
+        most: usize,
+    },
     /// A channel that is needed is not there.
     #[error("no channel `{channel}`; expected {expected}")]
     Channel {

@@ -4,7 +4,7 @@
 //!   curve.
 //! - [`strip()`] puts pictures side by side with captions; [`difference`] shows where two films differ.
 //! - [`image_errors`] measures how far two films are apart, by PSNR, SSIM, ꟻLIP and ΔE ITP.
-//! - [`encode_png`] and [`encode_exr`] write, [`decode_picture`], [`decode_hdr`] and [`exr_planes`] read. They work on
+//! - [`encode_png`] and [`encode_exr`] write, [`decode_picture`], [`decode_stored`], [`decode_hdr`] and [`exr_planes`] read. They work on
 //!   bytes, and a header's size is checked against the length of the file before memory is reserved.
 //!
 //! ```
@@ -25,10 +25,11 @@ mod display;
 mod error;
 mod exr;
 mod film;
-mod hdr;
 mod image_error;
 mod picture;
 mod png;
+mod radiance;
+mod stored;
 mod strip;
 
 pub use claim::{LONGEST_SIDE, check_claim};
@@ -36,13 +37,14 @@ pub use display::{DisplayImage, ToneMap, srgb_bytes};
 pub use error::ImageError;
 pub use exr::{ExrLayer, encode_exr, exr_size, read_exr_layer};
 pub use film::{Film, Pixel};
-pub use hdr::{LinearImage, decode_hdr};
 pub use image_error::{
     ImageErrors, PIXELS_PER_DEGREE, Planes, SsimWorkspace, delta_e_itp_map, flip_map, image_errors,
     psnr_db, ssim_map,
 };
 pub use picture::{ExrPlanes, RgbaPicture, decode_picture, exr_planes};
 pub use png::encode_png;
+pub use radiance::{LinearImage, decode_hdr, hdr_size};
+pub use stored::{Samples, StoredImage, decode_stored, stored_size};
 pub use strip::{DIFFERENCE_GAIN, Panel, difference, strip};
 
 #[cfg(doctest)]

@@ -1,12 +1,9 @@
 //! Pictures that people make: PNG, JPEG and EXR with opacity, as linear values.
 
-use std::io::Cursor;
-
 use brdf_model::srgb_to_linear;
-use image::{DynamicImage, ImageReader, Limits};
 
 use crate::exr::{exr_error, exr_size, read_exr_layer};
-use crate::{ImageError, LONGEST_SIDE, check_claim};
+use crate::{ImageError, check_claim, decode_stored};
 
 /// A linear picture with opacity.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,9 +34,6 @@ impl ExrPlanes {
         found.map(|(_, values)| values.as_slice())
     }
 }
-
-/// Most bytes that a decoded picture may take.
-const MOST_BYTES: u64 = 2 << 30;
 
 /// Returns the picture of a PNG or JPEG of 8 or 16 bits, taken as sRGB, or of a linear EXR. Where the file has no
 /// opacity, all of it is opaque.
@@ -84,32 +78,18 @@ fn decode_exr_picture(bytes: &[u8]) -> Result<RgbaPicture, ImageError> {
 }
 
 fn decode_display_picture(bytes: &[u8]) -> Result<RgbaPicture, ImageError> {
-    let refused = ImageError::coder("picture (PNG, JPEG or EXR)");
-    let reader = || {
-        ImageReader::new(Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| refused(error.to_string()))
-    };
-    let size = reader()?.into_dimensions().map_err(|error| refused(error.to_string()))?;
-    check_claim(bytes.len(), [size.0 as usize, size.1 as usize])?;
-    let mut limits = Limits::default();
-    let side = u32::try_from(LONGEST_SIDE).unwrap_or(u32::MAX);
-    (limits.max_image_width, limits.max_image_height) = (Some(side), Some(side));
-    limits.max_alloc = Some(MOST_BYTES);
-    let mut reader = reader()?;
-    reader.limits(limits);
-    let image: DynamicImage = reader.decode().map_err(|error| refused(error.to_string()))?;
-    let image = image.into_rgba16();
-    let scaled = |value: u16| f32::from(value) / f32::from(u16::MAX);
-    let pixels = image.pixels().map(|pixel| {
-        let [r, g, b, a] = pixel.0.map(scaled);
-        [srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b), a]
+    let image = decode_stored(bytes)?;
+    let samples = image.samples.to_unit();
+    let pixels = samples.chunks_exact(image.channels).map(|pixel| {
+        let colour = |index: usize| srgb_to_linear(pixel[index]);
+        match *pixel {
+            [_] => [colour(0), colour(0), colour(0), 1.0],
+            [_, a] => [colour(0), colour(0), colour(0), a],
+            [_, _, _] => [colour(0), colour(1), colour(2), 1.0],
+            _ => [colour(0), colour(1), colour(2), pixel[3]],
+        }
     });
-    Ok(RgbaPicture {
-        width: image.width() as usize,
-        height: image.height() as usize,
-        pixels: pixels.collect(),
-    })
+    Ok(RgbaPicture { width: image.width, height: image.height, pixels: pixels.collect() })
 }
 
 /// Returns the channels of an EXR image.
@@ -137,6 +117,8 @@ pub fn exr_planes(bytes: &[u8]) -> Result<ExrPlanes, ImageError> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
     use crate::encode_exr;
 

@@ -3,7 +3,6 @@
 use std::io::{Cursor, Read as _};
 
 use brdf_model::Nbrdf;
-use npyz::{NpyFile, TypeChar};
 use zip::ZipArchive;
 
 use crate::error::{FormatError, quoted};
@@ -65,29 +64,34 @@ pub fn read_nbrdf(bytes: &[u8], material: Option<&str>) -> Result<Nbrdf, FormatE
     weights(&content)
 }
 
+/// The weights of an array file (NumPy enhancement proposal 1, format version 1): the magic word, the length of a
+/// header in two bytes, the header (a Python dictionary with the type and the shape), the values.
 fn weights(content: &[u8]) -> Result<Nbrdf, FormatError> {
-    // Version 1 has headers of at most 64 KiB; later ones could claim gigabytes.
-    if !content.starts_with(b"\x93NUMPY\x01") {
-        return Err(FormatError::Library {
-            what: "NumPy array",
-            problem: "not a NumPy array of format version 1".to_owned(),
-        });
-    }
-    let array = NpyFile::new(content).map_err(|e| library(&e))?;
-    let is_f32 = matches!(array.dtype(), npyz::DType::Plain(kind)
-        if kind.type_char() == TypeChar::Float && kind.size_field() == 4);
-    if array.shape() != [Nbrdf::WEIGHTS as u64] || !is_f32 {
+    let refused =
+        |problem: &str| FormatError::Library { what: "NumPy array", problem: problem.to_owned() };
+    let rest = content
+        .strip_prefix(b"\x93NUMPY\x01\0")
+        .ok_or_else(|| refused("not a NumPy array of format version 1"))?;
+    let header = rest
+        .split_first_chunk::<2>()
+        .and_then(|(length, rest)| rest.split_at_checked(u16::from_le_bytes(*length).into()));
+    let (header, values) = header.ok_or_else(|| refused("its header runs past its end"))?;
+    let header = String::from_utf8_lossy(header);
+    let words: String = header.chars().filter(|c| !c.is_whitespace()).collect();
+    let has = |entry: &str| words.contains(entry);
+    if !has("'descr':'<f4'") || !has(&format!("'shape':({},)", Nbrdf::WEIGHTS)) {
         return Err(FormatError::Missing {
-            what: format!(
-                "array of weights (shape {:?}, {})",
-                array.shape(),
-                array.dtype().descr()
-            ),
-            expected: format!("shape [{}] of 32-bit floats", Nbrdf::WEIGHTS),
+            what: format!("array of weights: its header is {}", quoted(header.trim())),
+            expected: format!("descr '<f4' and shape ({},)", Nbrdf::WEIGHTS),
         });
     }
-    let weights: Vec<f32> = array.into_vec().map_err(|e| library(&e))?;
-    Ok(Nbrdf::new(&weights)?)
+    let expected = 4 * Nbrdf::WEIGHTS;
+    if values.len() != expected {
+        let hint = " of weights";
+        return Err(FormatError::Size { found: values.len(), expected, hint });
+    }
+    let weights = values.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    Ok(Nbrdf::new(&weights.collect::<Vec<f32>>())?)
 }
 
 fn open(bytes: &[u8]) -> Result<ZipArchive<Cursor<&[u8]>>, FormatError> {

@@ -5,7 +5,7 @@
 //! - [`plot_coverage`] shows where a measured material has data.
 //! - [`plot_curves`], [`plot_heat`] and [`plot_textures`] take values of any kind.
 //!
-//! Each returns a [`Plot`], which gives the SVG as text and a PNG as bytes.
+//! Each returns a [`Plot`], which gives the SVG as text and, with the feature `raster`, a PNG as bytes.
 //!
 //! ```
 //! use brdf_plot::{Curves, Scale, Series, plot_curves};
@@ -31,6 +31,8 @@ mod lobe;
 mod parametrizations;
 mod plot;
 mod polar;
+#[cfg(feature = "raster")]
+mod raster;
 mod slices;
 mod textures;
 

@@ -1,14 +1,11 @@
 //! A finished plot, and the sheet it is drawn on.
 
 use std::fmt::Write as _;
-use std::sync::{Arc, LazyLock};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, IntoDrawingArea as _, SVGBackend};
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{Options, Tree, fontdb};
 
 /// A finished plot: an SVG document.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,6 +23,9 @@ pub enum PlotError {
         /// Name of the missing part.
         what: &'static str,
     },
+    /// Pictures are asked of a build that draws SVG alone.
+    #[error("no PNG in this build: brdf-plot lacks its feature `raster`")]
+    NoRaster,
     /// The drawing library refused.
     #[error("drawing: {problem}")]
     Drawing {
@@ -34,57 +34,25 @@ pub enum PlotError {
     },
 }
 
-/// Pixels of a PNG for one unit of the SVG.
-const PNG_SCALE: f32 = 2.0;
-
-/// The typeface of PNGs: SVG leaves the choice to whoever shows it.
-static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
-    let mut fonts = fontdb::Database::new();
-    fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
-    let family = fonts.faces().next().and_then(|face| face.families.first().map(|f| f.0.clone()));
-    if let Some(family) = family {
-        fonts.set_sans_serif_family(family);
-    }
-    Arc::new(fonts)
-});
-
 impl Plot {
     /// Returns the SVG document.
     pub fn svg(&self) -> &str {
         &self.svg
     }
 
+    /// Whether [`Plot::png`] can draw: whether the feature `raster` is there.
+    pub const HAS_PNG: bool = cfg!(feature = "raster");
+
     /// Returns the bytes of a PNG with two pixels for each unit of the SVG.
     ///
     /// # Errors
     ///
-    /// [`PlotError::Drawing`].
+    /// [`PlotError::NoRaster`] without the feature `raster`; [`PlotError::Drawing`].
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
-        let options = Options { fontdb: FONTS.clone(), ..Options::default() };
-        let tree = Tree::from_str(&self.svg, &options).map_err(|e| drawing(&e))?;
-        let size = tree.size().to_int_size();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "sheets are a few thousand units wide"
-        )]
-        let pixels = |units: u32| (units as f32 * PNG_SCALE) as u32;
-        let mut picture = Pixmap::new(pixels(size.width()), pixels(size.height()))
-            .ok_or_else(|| drawing(&"a sheet without area"))?;
-        let scale = Transform::from_scale(PNG_SCALE, PNG_SCALE);
-        resvg::render(&tree, scale, &mut picture.as_mut());
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, picture.width(), picture.height());
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        // The mark by which our pictures are recognized.
-        encoder
-            .add_text_chunk("Software".to_owned(), "brdf".to_owned())
-            .and_then(|()| encoder.write_header())
-            // The sheet is opaque, so premultiplied is plain.
-            .and_then(|mut writer| writer.write_image_data(picture.data()))
-            .map_err(|e| drawing(&e))?;
-        Ok(bytes)
+        #[cfg(feature = "raster")]
+        return crate::raster::png(&self.svg);
+        #[cfg(not(feature = "raster"))]
+        Err(PlotError::NoRaster)
     }
 }
 

@@ -4,9 +4,9 @@
 use brdf_job::Job;
 use brdf_mesh::Mesh;
 use brdf_model::Brdf;
+use hmac_sha256::Hash;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::error::RelightError;
 use crate::factor::{MapParams, factor_for_relighting};
@@ -150,7 +150,7 @@ impl ObjectPrecomputation {
     /// Returns a hash of all that pieces depend on, so that those of an earlier run can be told from those of
     /// another object.
     pub fn key(&self) -> [u8; 32] {
-        let mut hash = Sha256::new();
+        let mut hash = Hash::new();
         for part in &self.work {
             let (surface, maps) = (part.surface(), part.maps());
             for vector in surface.positions.iter().chain(&surface.normals) {
@@ -163,7 +163,7 @@ impl ObjectPrecomputation {
             hash.update((maps.terms as u64).to_le_bytes());
         }
         hash.update(format!("{:?}", self.params.precompute));
-        hash.finalize().into()
+        hash.finalize()
     }
 
     /// Takes a piece that an earlier run of the same [key](Self::key) made, and returns the number of its vertices.

@@ -1,19 +1,13 @@
 //! One image of a BTF: recognized by its first bytes and decoded to three channels.
 
-use std::io::Cursor;
-
-use brdf_image::{ImageError, LONGEST_SIDE, check_claim};
+use brdf_image::{
+    ImageError, StoredImage, check_claim, decode_hdr, decode_stored, hdr_size, stored_size,
+};
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
-use png::{BitDepth, ColorType, Transformations};
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::bytestream::ZCursor;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::exr_picture::{exr_size, read_exr};
 use crate::linear::halves;
-use crate::rgbe::{read_rgbe, read_rgbe_header};
 use brdf_io::FormatError;
 use brdf_io::quoted;
 
@@ -58,9 +52,8 @@ fn start(bytes: &[u8]) -> String {
 /// Width and height that the header of an image claims, and that the file may hold.
 pub(crate) fn image_size(bytes: &[u8]) -> Result<[usize; 2], FormatError> {
     let size = match ImageKind::of(bytes)? {
-        ImageKind::Jpeg => jpeg(bytes).map(|decoder| jpeg_size(&decoder)),
-        ImageKind::Png => png(bytes).map(|reader| png_size(&reader)),
-        ImageKind::Radiance => read_rgbe_header(bytes).map(|header| header.size),
+        ImageKind::Jpeg | ImageKind::Png => stored_size(bytes).map_err(image_error("image")),
+        ImageKind::Radiance => hdr_size(bytes).map_err(image_error("image")),
         ImageKind::Exr => exr_size(bytes),
     }?;
     check_size(bytes, size)?;
@@ -103,12 +96,13 @@ pub fn read_btf_image(bytes: &[u8]) -> Result<([usize; 2], Vec<f32>), FormatErro
 /// ones. Returns how many linear values were below zero and became zero.
 pub(crate) fn decode_image(bytes: &[u8], out: &mut [u8]) -> Result<u64, FormatError> {
     match ImageKind::of(bytes)? {
-        ImageKind::Jpeg => decode_jpeg(bytes, out).map(|()| 0),
-        ImageKind::Png => fill(out, &decode_png(bytes)?).map(|()| 0),
+        ImageKind::Jpeg | ImageKind::Png => {
+            let image = decode_stored(bytes).map_err(image_error("image"))?;
+            fill(out, &rgb_bytes(image)?).map(|()| 0)
+        }
         ImageKind::Radiance => {
-            let header = read_rgbe_header(bytes)?;
-            check_size(bytes, header.size)?;
-            let (halves, negative) = halves(&read_rgbe(bytes, &header)?, header.size[0])?;
+            let image = decode_hdr(bytes).map_err(image_error("image"))?;
+            let (halves, negative) = halves(image.pixels.as_flattened(), image.width)?;
             fill(out, bytemuck::cast_slice(&halves)).map(|()| negative)
         }
         ImageKind::Exr => {
@@ -142,92 +136,31 @@ pub(crate) fn image_error(what: &'static str) -> impl Fn(ImageError) -> FormatEr
         ImageError::Claim { found, expected } => {
             FormatError::Size { found, expected, hint: " or more for the size its header claims" }
         }
+        ImageError::PastEnd { offset, what, length } => {
+            FormatError::PastEnd { offset: offset as u64, what: what.to_owned(), length }
+        }
         other => FormatError::Library { what, problem: other.to_string() },
     }
 }
 
-fn jpeg_error(problem: impl ToString) -> FormatError {
-    // Some of the decoder's messages are quoted, some span lines.
-    let problem = problem.to_string().replace(['\n', '"'], " ").trim().to_owned();
-    FormatError::Library { what: "JPEG", problem }
-}
-
-/// A decoder that has read the header, whose size it held against the file.
-fn jpeg(bytes: &[u8]) -> Result<JpegDecoder<ZCursor<&[u8]>>, FormatError> {
-    // Strict: otherwise a damaged image comes out grey from where the damage is.
-    let options = DecoderOptions::default()
-        .set_strict_mode(true)
-        .set_max_width(LONGEST_SIDE)
-        .set_max_height(LONGEST_SIDE)
-        .jpeg_set_out_colorspace(ColorSpace::RGB);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(jpeg_error)?;
-    check_size(bytes, jpeg_size(&decoder))?;
-    Ok(decoder)
-}
-
-fn jpeg_size(decoder: &JpegDecoder<ZCursor<&[u8]>>) -> [usize; 2] {
-    decoder.dimensions().unwrap_or_default().into()
-}
-
-fn decode_jpeg(bytes: &[u8], out: &mut [u8]) -> Result<(), FormatError> {
-    let mut decoder = jpeg(bytes)?;
-    if decoder.output_buffer_size() != Some(out.len()) {
-        return Err(jpeg_error("other channels than grey or RGB"));
-    }
-    decoder.decode_into(out).map_err(jpeg_error)
-}
-
-fn png_error(problem: impl ToString) -> FormatError {
-    FormatError::Library { what: "PNG", problem: problem.to_string() }
-}
-
-/// A reader that has read the header, whose size it held against the file.
-fn png(bytes: &[u8]) -> Result<png::Reader<Cursor<&[u8]>>, FormatError> {
-    let mut decoder = png::Decoder::new(Cursor::new(bytes));
-    decoder.set_transformations(Transformations::EXPAND);
-    let reader = decoder.read_info().map_err(png_error)?;
-    check_size(bytes, png_size(&reader))?;
-    Ok(reader)
-}
-
-fn png_size(reader: &png::Reader<Cursor<&[u8]>>) -> [usize; 2] {
-    let (width, height) = reader.info().size();
-    [width as usize, height as usize]
-}
-
-fn decode_png(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
-    let mut reader = png(bytes)?;
-    let length = reader.output_buffer_size().ok_or_else(|| png_error("too large"))?;
-    let mut values = vec![0; length];
-    reader.next_frame(&mut values).map_err(png_error)?;
-    let (color, depth) = reader.output_color_type();
-    if depth == BitDepth::Sixteen {
-        values = narrowed(&values);
-    }
-    Ok(match color {
-        ColorType::Rgb => values,
-        ColorType::Grayscale => values.iter().flat_map(|&grey| [grey; 3]).collect(),
-        ColorType::GrayscaleAlpha => {
-            opaque::<2>(&values)?.flat_map(|[grey, _]| [*grey; 3]).collect()
-        }
-        ColorType::Rgba => opaque::<4>(&values)?.flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
-        ColorType::Indexed => return Err(png_error("palette without colours")),
+/// Three bytes for each texel.
+fn rgb_bytes(image: StoredImage) -> Result<Vec<u8>, FormatError> {
+    let bytes = image.samples.into_bytes();
+    Ok(match image.channels {
+        1 => bytes.iter().flat_map(|&grey| [grey; 3]).collect(),
+        2 => opaque::<2>(&bytes)?.flat_map(|[grey, _]| [*grey; 3]).collect(),
+        4 => opaque::<4>(&bytes)?.flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+        _ => bytes,
     })
-}
-
-/// 16-bit values, big-endian, rounded to 8 bits.
-#[expect(clippy::cast_possible_truncation, reason = "at most (65535 + 128) / 257 = 255")]
-fn narrowed(values: &[u8]) -> Vec<u8> {
-    let wide = values.as_chunks::<2>().0.iter().map(|pair| u32::from(u16::from_be_bytes(*pair)));
-    wide.map(|value| ((value + 128) / 257) as u8).collect()
 }
 
 /// Texels with alpha, all of which must be opaque: what lies behind a texel nobody knows.
 fn opaque<const N: usize>(values: &[u8]) -> Result<impl Iterator<Item = &[u8; N]>, FormatError> {
     let texels = values.as_chunks::<N>().0;
     match texels.iter().position(|texel| texel[N - 1] != 255) {
-        Some(at) => Err(png_error(format!("texel {at} is transparent"))),
+        Some(at) => {
+            Err(FormatError::Library { what: "PNG", problem: format!("texel {at} is transparent") })
+        }
         None => Ok(texels.iter()),
     }
 }

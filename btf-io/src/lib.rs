@@ -37,7 +37,6 @@ mod loaded;
 mod maps;
 mod names;
 mod queries;
-mod rgbe;
 mod srgb;
 mod store;
 mod synthesis;

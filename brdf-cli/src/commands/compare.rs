@@ -4,15 +4,14 @@ use std::io::{Write, stderr};
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
-use brdf_container::{MaterialFile, match_folders};
-use brdf_fit::{
-    Candidate, CompareSettings, Comparison, Distribution, FolderComparison, compare, metric_lights,
-};
+use brdf_container::{MaterialFile, compare_folders};
+use brdf_fit::{Candidate, CompareSettings, Comparison, compare, metric_lights};
 use brdf_model::Channels;
 use brdf_report::{comparison_measures, comparison_table, folder_comparison_text};
 use clap::ValueEnum;
 
-use crate::args::{PairArgs, ReadArgs, environment, show, usage};
+use crate::args::{PairArgs, ReadArgs, environment, usage};
+use crate::outputs::show;
 use crate::progress::Watch;
 
 /// Compare models with a reference, or folders of them
@@ -86,7 +85,10 @@ impl Compare {
         let settings = self.settings()?;
         let watch = Watch::start();
         if Path::new(&self.reference).is_dir() {
-            let comparison = self.compare_folders(&settings, &watch)?;
+            let comparison =
+                compare_folders(&self.reference, &self.models, |reference, models| {
+                    self.compare(reference, models, &settings, &watch)
+                })?;
             drop(watch);
             return show(out, self.json, &comparison, || folder_comparison_text(&comparison));
         }
@@ -167,41 +169,5 @@ impl Compare {
             )?;
         }
         Ok(found)
-    }
-
-    /// Judges the models of folders by the references of the same names.
-    fn compare_folders(
-        &self,
-        settings: &CompareSettings,
-        watch: &Watch,
-    ) -> anyhow::Result<FolderComparison> {
-        if let Some(file) = self.models.iter().find(|folder| !Path::new(folder).is_dir()) {
-            bail!("{file}: not a folder; the reference is one, so every model must be");
-        }
-        let folders: Vec<&Path> = self.models.iter().map(Path::new).collect();
-        let matched = match_folders(Path::new(&self.reference), &folders)?;
-        if matched.materials.is_empty() {
-            bail!(
-                "{}: none of {} references has a model of the same name in every folder",
-                self.reference,
-                matched.references
-            );
-        }
-        let text = |path: &PathBuf| path.to_string_lossy().into_owned();
-        let mut materials = Vec::new();
-        for (name, reference, models) in &matched.materials {
-            let models: Vec<String> = models.iter().map(text).collect();
-            let mut comparison = self.compare(&text(reference), &models, settings, watch)?;
-            comparison.reference.clone_from(name);
-            materials.push(comparison);
-        }
-        let of = |(index, folder): (usize, &String)| Distribution::of(folder, index, &materials);
-        let distributions = self.models.iter().enumerate().map(of).collect();
-        Ok(FolderComparison {
-            reference: self.reference.clone(),
-            distributions,
-            materials,
-            unmatched: matched.unmatched,
-        })
     }
 }

@@ -10,7 +10,8 @@ use brdf_io::{write_merl, write_samples};
 use brdf_model::{MerlTable, PairSampling};
 
 use crate::advice::read_notes;
-use crate::args::{ForceArgs, ReadArgs};
+use crate::args::ReadArgs;
+use crate::outputs::ForceArgs;
 use crate::progress::Watch;
 
 /// Write a material in another format: .binary (MERL), .csv or .safetensors

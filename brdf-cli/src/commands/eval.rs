@@ -9,7 +9,8 @@ use brdf_files::{FileError, MappedFile};
 use brdf_io::{direction_rows, direction_table_header};
 use brdf_param::DirectionPair;
 
-use crate::args::{ReadArgs, TableArgs};
+use crate::args::ReadArgs;
+use crate::outputs::TableArgs;
 
 /// Evaluate a material at given directions
 ///

@@ -19,8 +19,9 @@ use brdf_report::{
 use brdf_study::TestFunction;
 use clap::ValueEnum;
 
-use crate::args::{ForceArgs, ReadArgs, usage, within};
+use crate::args::{ReadArgs, usage, within};
 use crate::choices::SpaceArg;
+use crate::outputs::ForceArgs;
 use crate::progress::Watch;
 
 /// Plot materials as SVG or PNG
@@ -123,6 +124,12 @@ impl PlotArgs {
             Some("png") => true,
             _ => bail!("{}: unknown extension; expected .svg or .png", self.output.display()),
         };
+        if as_png && !Plot::HAS_PNG {
+            bail!(
+                "{}: this build draws plots as SVG alone; expected .svg, or a build with --features png-plots",
+                self.output.display()
+            );
+        }
         let watch = Watch::start();
         watch.step("plotting");
         let plot = self.plot(&watch)?;

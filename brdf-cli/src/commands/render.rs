@@ -1,18 +1,15 @@
 //! `brdf render`.
 
 use std::io::Write;
-use std::path::PathBuf;
 
-use anyhow::bail;
 use brdf_container::MaterialFile;
-use brdf_files::write_atomically;
-use brdf_image::encode_png;
 use brdf_model::Brdf;
 use brdf_render::{MeshView, SphereView, Uniform, render_mesh, render_sphere};
 use brdf_report::line_up;
 
-use crate::args::{ForceArgs, LightArgs, ReadArgs, positive, usage};
+use crate::args::{LightArgs, ReadArgs, usage};
 use crate::meshes::MeshArgs;
+use crate::outputs::PictureArgs;
 use crate::progress::Watch;
 
 /// Render materials on spheres or on a mesh, side by side
@@ -27,14 +24,14 @@ use crate::progress::Watch;
 ///
 /// Example: brdf render preset:ggx --mesh bunny.ply --ground -o bunny.png
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("spheres.png")))]
 pub(super) struct Render {
     /// Materials, the reference first
     #[arg(required = true)]
     models: Vec<String>,
 
-    /// Picture to write, PNG
-    #[arg(short, long, value_name = "FILE", default_value = "spheres.png")]
-    output: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
 
     #[command(flatten)]
     mesh: MeshArgs,
@@ -50,23 +47,13 @@ pub(super) struct Render {
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
 
-    /// Factor from linear values to what is shown as white
-    #[arg(long, value_parser = positive, allow_hyphen_values = true)]
-    exposure: Option<f64>,
-
-    #[command(flatten)]
-    force: ForceArgs,
-
     #[command(flatten)]
     read: ReadArgs,
 }
 
 impl Render {
     pub(super) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
-        let is_png = self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-        if !is_png {
-            bail!("{}: unknown extension; expected .png", self.output.display());
-        }
+        self.picture.check()?;
         if self.mesh.mesh.is_none() && self.mesh.view.is_given() {
             return Err(usage("--view-deg and --ground: spheres have neither; give a --mesh"));
         }
@@ -95,10 +82,8 @@ impl Render {
                 render_sphere(brdf, &light, &view)
             }
         };
-        let picture = line_up(&materials, &render, self.exposure);
+        let picture = line_up(&materials, &render, self.picture.exposure);
         drop(watch);
-        write_atomically(&self.output, &encode_png(&picture)?, self.force.overwrite())?;
-        writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(())
+        self.picture.write(&picture)
     }
 }

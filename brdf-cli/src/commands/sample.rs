@@ -6,7 +6,8 @@ use std::io::Write;
 use brdf_io::write_samples;
 use brdf_model::PairSampling;
 
-use crate::args::{PairArgs, ReadArgs, TableArgs};
+use crate::args::{PairArgs, ReadArgs};
+use crate::outputs::TableArgs;
 
 /// Draw direction pairs and write them with their values
 ///

@@ -1,18 +1,17 @@
 //! `brdf study`.
 
 use std::io::Write;
-use std::path::PathBuf;
 
 use anyhow::bail;
 use brdf_container::MaterialFile;
-use brdf_files::OutputFolder;
 use brdf_job::Stopped;
 use brdf_plot::plot_parametrizations;
 use brdf_report::{study_files, study_text};
 use brdf_separable::SeparableError;
 use brdf_study::{StudiedMaterial, StudyParams, StudyReport, study_material};
 
-use crate::args::{ReadArgs, command_line, show, write_all};
+use crate::args::ReadArgs;
+use crate::outputs::{FolderArgs, command_line, show, write_all};
 use crate::progress::Watch;
 
 /// Measure which parametrization fits which material
@@ -27,18 +26,14 @@ use crate::progress::Watch;
 ///
 /// Example: brdf study merl_dev.npz *.bsdf -o study
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("study")))]
 pub(super) struct Study {
     /// Materials, or archives of them
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<String>,
 
-    /// Folder to write; one that brdf wrote is replaced
-    #[arg(short, long, value_name = "FOLDER", default_value = "study")]
-    output: PathBuf,
-
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    folder: FolderArgs,
 
     /// Which scramble of the pairs
     #[arg(long, default_value_t = 1)]
@@ -62,7 +57,7 @@ impl Study {
         for input in &self.inputs {
             files.extend(MaterialFile::open_all(input, &options)?);
         }
-        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let mut folder = self.folder.create()?;
         let params = StudyParams { seed: self.seed, ..StudyParams::default() };
         let watch = Watch::start();
         let mut materials = Vec::new();

@@ -1,7 +1,7 @@
 //! What tells two samplings apart.
 
 use glam::DVec2;
-use sha2::{Digest as _, Sha256};
+use hmac_sha256::Hash;
 
 use super::Plan;
 use crate::Problem;
@@ -9,7 +9,7 @@ use crate::Problem;
 /// A hash of positions in the order in which they were given, texture coordinates, plan, bound, grazing
 /// limit and smoothing.
 pub(super) fn of(problem: &Problem, places: &[DVec2], plan: &Plan) -> String {
-    let mut hash = Sha256::new();
+    let mut hash = Hash::new();
     let mut add = |value: f64| hash.update((value + 0.0).to_le_bytes());
     let mut sorted: Vec<usize> = (0..problem.len()).collect();
     sorted.sort_unstable_by_key(|at| problem.origin()[*at]);

@@ -11,7 +11,7 @@ use btf_vq::{Base, BtfModel};
 use super::encoding::{SizeArgs, Target};
 use super::inputs::Inputs;
 use super::loading::MemoryArgs;
-use crate::args::ForceArgs;
+use crate::outputs::ForceArgs;
 use crate::progress::Watch;
 
 /// Add textures to a compressed BTF, in its books

@@ -10,7 +10,7 @@ use btf_vq::{BtfSource as _, compare_brdfs, compare_texture, resampling_floor};
 
 use super::inputs::{is_brdf, named, open_brdfs};
 use super::loading::{MemoryArgs, ModelArgs, load};
-use crate::args::show;
+use crate::outputs::show;
 use crate::progress::Watch;
 
 /// Say how near a compressed BTF is to its images

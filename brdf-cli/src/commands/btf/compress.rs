@@ -9,7 +9,7 @@ use btf_vq::{GridChoice, LightParametrization};
 use super::encoding::{ModeArg, SizeArgs, Target};
 use super::inputs::Inputs;
 use super::loading::MemoryArgs;
-use crate::args::ForceArgs;
+use crate::outputs::ForceArgs;
 use crate::progress::Watch;
 
 /// Compress BTFs, or BRDFs, into nested codebooks

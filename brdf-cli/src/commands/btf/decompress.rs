@@ -1,13 +1,12 @@
 //! `brdf btf decompress`.
 
 use std::io::Write;
-use std::path::PathBuf;
 
 use brdf_report::percent;
 use btf_io::{DecompressReport, UboWriter, write_decompressed};
 
 use super::loading::ModelArgs;
-use crate::args::show;
+use crate::outputs::{FolderArgs, show};
 use crate::progress::Watch;
 
 /// Write the images of a compressed BTF
@@ -17,17 +16,13 @@ use crate::progress::Watch;
 ///
 /// Example: brdf btf decompress wool.btfvq -o wool-again
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("btf")))]
 pub(in crate::commands) struct Decompress {
     #[command(flatten)]
     model: ModelArgs,
 
-    /// Folder to write; one that brdf wrote is replaced
-    #[arg(short, long, value_name = "FOLDER", default_value = "btf")]
-    output: PathBuf,
-
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    folder: FolderArgs,
 
     /// Print report.json on standard output
     #[arg(long)]
@@ -39,7 +34,7 @@ impl Decompress {
         let model = self.model.open()?;
         let reader = model.reader()?;
         let (width, height) = reader.size(0);
-        let mut writer = UboWriter::new(&self.output, width, height, self.force)?;
+        let mut writer = UboWriter::new(&self.folder.output, width, height, self.folder.force)?;
         let watch = Watch::start();
         let written = watch.run(|job| write_decompressed(&reader, &mut writer, job))?;
         drop(watch);

@@ -13,7 +13,8 @@ use btf_vq::{
 };
 
 use super::loading::peak_memory;
-use crate::args::{ForceArgs, positive, show, usage};
+use crate::args::{positive, usage};
+use crate::outputs::{ForceArgs, show};
 use crate::progress::Watch;
 
 /// How large books become.

@@ -9,7 +9,7 @@ use brdf_param::spherical_direction;
 use btf_io::read_queries;
 
 use super::loading::ModelArgs;
-use crate::args::TableArgs;
+use crate::outputs::TableArgs;
 
 /// Evaluate a compressed BTF at places and pairs of directions
 ///

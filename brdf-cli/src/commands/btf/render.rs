@@ -1,16 +1,15 @@
 //! `brdf btf render`.
 
 use std::io::Write;
-use std::path::PathBuf;
 
-use brdf_files::write_atomically;
-use brdf_image::{ToneMap, encode_png};
+use brdf_image::ToneMap;
 use brdf_render::{MeshView, Shape, TexturedView, render_mesh, render_textured};
 use btf_vq::TexturedBtf;
 
 use super::loading::ModelArgs;
-use crate::args::{ForceArgs, LightArgs, positive, usage};
+use crate::args::{LightArgs, positive, usage};
 use crate::meshes::MeshArgs;
+use crate::outputs::PictureArgs;
 use crate::progress::Watch;
 
 /// Render a compressed BTF on a shape or a mesh
@@ -22,13 +21,13 @@ use crate::progress::Watch;
 ///
 /// Example: brdf btf render wool.btfvq --mesh shape:torus --tiles 12 -o ring.png
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("btf.png")))]
 pub(in crate::commands) struct Render {
     #[command(flatten)]
     model: ModelArgs,
 
-    /// Picture to write, PNG
-    #[arg(short, long, value_name = "FILE", default_value = "btf.png")]
-    output: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
 
     /// What the material lies on
     #[arg(long, value_enum, default_value_t = ShapeArg::Sphere, conflicts_with = "mesh")]
@@ -55,13 +54,6 @@ pub(in crate::commands) struct Render {
     /// Tilt of the shape towards the camera, degrees [default: 60 for a plane, 15 for a cylinder]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, conflicts_with = "mesh")]
     tilt_deg: Option<f64>,
-
-    /// Factor from linear values to what is shown as white
-    #[arg(long, value_parser = positive)]
-    exposure: Option<f64>,
-
-    #[command(flatten)]
-    force: ForceArgs,
 }
 
 choices! {
@@ -77,12 +69,7 @@ choices! {
 
 impl Render {
     pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
-        if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            return Err(usage(format!(
-                "{}: expected a name that ends in .png",
-                self.output.display()
-            )));
-        }
+        self.picture.check()?;
         if self.mesh.mesh.is_none() && self.mesh.view.is_given() {
             return Err(usage("--view-deg and --ground: shapes have neither; give a --mesh"));
         }
@@ -103,10 +90,6 @@ impl Render {
             render_textured(&material, shape, &light, &TexturedView { size, samples, tiles, tilt })
         };
         drop(watch);
-        let tone =
-            self.exposure.map_or_else(|| ToneMap::exposed_for(&film), |e| ToneMap { exposure: e });
-        write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
-        writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(())
+        self.picture.write_film(&film, ToneMap::exposed_for)
     }
 }

@@ -7,7 +7,8 @@ use brdf_param::spherical_direction;
 use btf_vq::{DrawParams, DrawnLight, draw_lights};
 
 use super::loading::ModelArgs;
-use crate::args::{TableArgs, numbers};
+use crate::args::numbers;
+use crate::outputs::TableArgs;
 
 /// Draw light directions for a view, distributed as the luminance that a compressed BTF stores
 ///

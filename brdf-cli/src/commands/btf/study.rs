@@ -4,13 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::bail;
-use brdf_files::OutputFolder;
 use brdf_report::{rate_csv, rate_plot, rate_text};
 use btf_vq::{RateMethod, RateSettings, study_rates};
 
 use super::inputs::{is_brdf, stem};
 use super::loading::{MemoryArgs, load, notes};
-use crate::args::{positive, show};
+use crate::args::positive;
+use crate::outputs::{FolderArgs, show};
 use crate::progress::Watch;
 
 /// Measure what compression loses at which size, beside its rivals
@@ -23,18 +23,14 @@ use crate::progress::Watch;
 ///
 /// Example: brdf btf study wool -o wool-study
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("btf-study")))]
 pub(in crate::commands) struct Study {
     /// BTF
     #[arg(value_name = "IN")]
     input: PathBuf,
 
-    /// Folder to write; one that brdf wrote is replaced
-    #[arg(short, long, value_name = "FOLDER", default_value = "btf-study")]
-    output: PathBuf,
-
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    folder: FolderArgs,
 
     /// What is measured [default: everything]
     #[arg(long, value_enum, value_delimiter = ',')]
@@ -84,7 +80,7 @@ choices! {
 
 impl Study {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
-        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let mut folder = self.folder.create()?;
         if is_brdf(&self.input) {
             bail!("{}: expected the images of a BTF", self.input.display());
         }

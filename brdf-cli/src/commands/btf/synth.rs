@@ -11,7 +11,8 @@ use btf_io::{
 use btf_synth::SynthOptions;
 use clap::ValueEnum;
 
-use crate::args::{not_negative, show, usage};
+use crate::args::{not_negative, usage};
+use crate::outputs::{FolderArgs, show};
 use crate::progress::Watch;
 
 /// Synthesize the images of a surface from its maps
@@ -25,6 +26,7 @@ use crate::progress::Watch;
 ///
 /// Example: brdf btf synth --height wool_depth.png --albedo wool_albedo.png -o wool
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("btf")))]
 #[command(group(clap::ArgGroup::new("relief").required(true).args(["height", "normal"])))]
 pub(in crate::commands) struct Synth {
     /// Map of heights, white on top
@@ -56,9 +58,8 @@ pub(in crate::commands) struct Synth {
     #[arg(long)]
     invert: bool,
 
-    /// Folder to write; one that brdf wrote is replaced
-    #[arg(short, long, value_name = "FOLDER", default_value = "btf")]
-    output: PathBuf,
+    #[command(flatten)]
+    folder: FolderArgs,
 
     /// Side of the images in texels
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -73,10 +74,6 @@ pub(in crate::commands) struct Synth {
     #[arg(long, default_value_t = SynthOptions::default().bounce_rays,
         value_parser = clap::value_parser!(u32).range(0..=4096))]
     bounce_rays: u32,
-
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
 
     /// Print report.json on standard output
     #[arg(long)]
@@ -99,7 +96,8 @@ impl Synth {
         let files = self.files()?;
         let maps = read_surface(&files)?;
         let options = SynthOptions { samples: self.samples, bounce_rays: self.bounce_rays };
-        let mut writer = UboWriter::new(&self.output, maps.width(), maps.height(), self.force)?;
+        let mut writer =
+            UboWriter::new(&self.folder.output, maps.width(), maps.height(), self.folder.force)?;
         let watch = Watch::start();
         let written = watch.run(|job| write_synthesized(&maps, &options, &mut writer, job))?;
         drop(watch);

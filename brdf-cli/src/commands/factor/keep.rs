@@ -9,7 +9,8 @@ use brdf_files::{FileError, MappedFile, OutputFolder};
 use brdf_fit::{FactoredModel, KeptReport};
 use brdf_report::{bytes, kept_files, or_dash, significant};
 
-use crate::args::{usage, write_all};
+use crate::args::usage;
+use crate::outputs::write_all;
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "A smaller model of an earlier search")]

@@ -11,7 +11,6 @@ use std::time::Instant;
 
 use anyhow::Context as _;
 use brdf_container::{write_factored, write_separable};
-use brdf_files::OutputFolder;
 use brdf_fit::{FactoredSettings, Fit, FitSettings, fit, preinvert};
 use brdf_report::{ResultFile, factored_files, factored_text, separable_files, separable_text};
 
@@ -20,8 +19,9 @@ use self::plan::SearchArgs;
 use self::preinvert::PreinvertArgs;
 use self::separable::SeparableArgs;
 use crate::advice::fit_notes;
-use crate::args::{PairArgs, ReadArgs, command_line, not_negative, write_all};
+use crate::args::{PairArgs, ReadArgs, not_negative};
 use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
+use crate::outputs::{FolderArgs, command_line, write_all};
 use crate::progress::Watch;
 
 /// Factor a BRDF into small textures, say how good they are, and show it
@@ -44,6 +44,7 @@ use crate::progress::Watch;
 ///   brdf factor gold.binary --with basis.safetensors -o gold                  and use it again
 ///   brdf factor silk.binary --method log-svd --space half-difference --isotropic --rank 8
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("brdf-out")))]
 #[command(verbatim_doc_comment)]
 pub(super) struct Factor {
     /// Material to factor
@@ -107,13 +108,8 @@ pub(super) struct Factor {
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Folder to write; one that brdf wrote is replaced
-    #[arg(short, long, value_name = "FOLDER", default_value = "brdf-out")]
-    output: PathBuf,
-
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    folder: FolderArgs,
 
     /// Print report.json on standard output
     #[arg(long)]
@@ -138,7 +134,7 @@ pub(super) struct Factor {
 impl Factor {
     pub(super) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         if let Some(kept) = self.keep.open()? {
-            return keep::run(&kept, &self.output, self.force, self.json, out);
+            return keep::run(&kept, &self.folder.output, self.folder.force, self.json, out);
         }
         let settings = if self.method.is_separable() {
             FitSettings::Separable(self.separable_settings()?)
@@ -148,7 +144,7 @@ impl Factor {
         let inversion = self.preinvert.inversion(&settings)?;
         let file = self.read.open(&self.input)?;
         // Opened first, so that an output that cannot be written is known before the work.
-        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let mut folder = self.folder.create()?;
         let material = file.material();
         let watch = Watch::start();
         let fitted = watch.run(|job| {
@@ -162,7 +158,7 @@ impl Factor {
         let fitted = fitted.with_context(|| self.input.clone())?;
         if let (Some(inversion), FitSettings::Factored(settings)) = (inversion, &settings) {
             let basis = watch.run(|job| preinvert(&material, settings, inversion, job));
-            self.preinvert.write(&basis.with_context(|| self.input.clone())?, self.force)?;
+            self.preinvert.write(&basis.with_context(|| self.input.clone())?, self.folder.force)?;
         }
 
         watch.step("drawing pictures");

@@ -1,25 +1,21 @@
 //! `brdf paint extract`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context as _, bail};
-use brdf_container::{MaterialFile, PaintedFile, SceneFolder, write_painted};
-use brdf_files::OutputFolder;
-use brdf_io::ReadOptions;
+use brdf_container::{PaintedFile, SceneFolder, write_painted};
 use brdf_mesh::UvSource;
 use brdf_paint::{
-    LearnParams, Mode, PaintErrors, PaintLogTransform, PaintParams, PaintRecord, PaintReport,
-    PaintedMaterial, SolverChoice, learn, truth_errors,
+    LearnParams, Mode, PaintLogTransform, PaintParams, PaintRecord, PaintReport, SolverChoice,
+    learn,
 };
 use brdf_report::{PaintedView, ResultFile, bytes as shown_bytes, paint_files, significant};
 use clap::ValueEnum;
 
-use super::setup::blended;
 use crate::advice::paint_notes;
-use crate::args::{positive, usage, write_all};
-use crate::meshes::open_mesh;
+use crate::args::{positive, usage};
+use crate::outputs::{FolderArgs, write_all};
 use crate::progress::Watch;
 
 /// Make a material of a painted scene
@@ -33,13 +29,13 @@ use crate::progress::Watch;
 ///
 /// Example: brdf paint extract scene/ -o material/
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("material")))]
 pub(in crate::commands) struct Extract {
     /// Scene that `brdf paint setup` wrote, with its paintings
     scene: PathBuf,
 
-    /// Folder to write
-    #[arg(short, long, value_name = "FOLDER", default_value = "material")]
-    output: PathBuf,
+    #[command(flatten)]
+    folder: FolderArgs,
 
     /// What is made
     #[arg(long, value_enum, default_value_t = ModeArg::MaterialMap)]
@@ -89,10 +85,6 @@ pub(in crate::commands) struct Extract {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     hold_out: Vec<String>,
 
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
-
     /// Print report.json on standard output
     #[arg(long)]
     json: bool,
@@ -132,33 +124,12 @@ impl Extract {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let start = Instant::now();
         let scene = SceneFolder::open(&self.scene)?;
-        let views = &scene.scene.views;
-        if let Some(name) =
-            self.hold_out.iter().find(|name| !views.iter().any(|v| v.name == **name))
-        {
-            let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
-            bail!("--hold-out {name}: no such view; the scene has {}", names.join(", "));
-        }
         if self.offset.is_some() && self.log_map != LogMapArg::Offset {
             return Err(usage("--offset is of --log-map offset"));
         }
-        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let mut folder = self.folder.create()?;
         let found = scene.paintings()?;
-        if let Some([first, second]) = &found.doubled {
-            bail!(
-                "{} and {}: two paintings of one view; remove one",
-                first.display(),
-                second.display()
-            );
-        }
-        if found.painted.is_empty() {
-            bail!(
-                "{}: no painting; save them as {}.png and so on, over the guides beside it",
-                scene.painted().display(),
-                found.missing.first().map_or("view00", String::as_str)
-            );
-        }
-        let pictures = scene.infos(&found.painted, &self.hold_out);
+        let pictures = scene.infos(&found.painted, &self.hold_out)?;
         let settings = self.params(scene.scene.uv == UvSource::Sphere);
         #[expect(clippy::cast_possible_truncation, reason = "at most 1e8")]
         let params = LearnParams {
@@ -173,17 +144,17 @@ impl Extract {
         if learned.held_out.is_none() {
             watch.step("judging");
             let material = &learned.extraction.material;
-            match watch.aside(|| self.truth_errors(&scene, material)) {
+            match scene.truth_errors(material, self.least_cosine) {
                 Ok(errors) => learned.held_out = errors,
                 // What was made is worth keeping without being judged.
-                Err(error) => notes.push(format!("no held-out views: {error:#}")),
+                Err(error) => notes.push(format!("no held-out views: {error}")),
             }
         }
         watch.step("drawing pictures");
         let made = &learned.extraction;
         let record = PaintRecord { settings, uv: scene.scene.uv };
         let bytes = write_painted(&PaintedFile { material: made.material.clone(), record })?;
-        let [from, to] = [&self.scene, &self.output].map(|path| path.to_string_lossy());
+        let [from, to] = [&self.scene, &self.folder.output].map(|path| path.to_string_lossy());
         let report = PaintReport::new(
             env!("CARGO_PKG_VERSION"),
             [&from, &to],
@@ -207,7 +178,7 @@ impl Extract {
             out.write_all(json)?;
             return Ok(());
         }
-        writeln!(out, "{}: {}", self.output.display(), shown_bytes(bytes.len()))?;
+        writeln!(out, "{}: {}", self.folder.output.display(), shown_bytes(bytes.len()))?;
         let (rms, samples) = (significant(report.rms.train), report.samples);
         writeln!(out, "  RMS {rms} of {samples} painted pixels")?;
         if let Some(rms) = report.rms.held_out {
@@ -215,25 +186,6 @@ impl Extract {
         }
         report.notes.iter().try_for_each(|note| writeln!(out, "  {note}"))?;
         Ok(())
-    }
-
-    /// Errors of views and lights between the painted ones, where what was painted is known.
-    fn truth_errors(
-        &self,
-        scene: &SceneFolder,
-        material: &PaintedMaterial,
-    ) -> anyhow::Result<Option<PaintErrors>> {
-        let scene = &scene.scene;
-        let Some(record) = &scene.truth else { return Ok(None) };
-        let mesh = open_mesh(Path::new(&scene.mesh), Some(scene.uv))?;
-        let files: Vec<MaterialFile> = record
-            .materials
-            .iter()
-            .map(|name| MaterialFile::open(name, &ReadOptions::default()))
-            .collect::<Result<_, _>>()?;
-        let mut truth = blended(&files).context("expected three materials")?;
-        truth.scale = record.scale;
-        Ok(Some(truth_errors(&truth, &mesh, scene.size, self.least_cosine, material)?))
     }
 
     fn params(&self, wraps: bool) -> PaintParams {

@@ -4,12 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use brdf_container::read_painted;
-use brdf_files::{FileError, MappedFile, write_atomically};
-use brdf_image::{ToneMap, encode_png};
+use brdf_files::{FileError, MappedFile};
+use brdf_image::ToneMap;
 use brdf_render::{MeshView, render_mesh};
 
-use crate::args::{ForceArgs, LightArgs, positive, usage};
+use crate::args::{LightArgs, positive};
 use crate::meshes::{ViewArgs, open_mesh};
+use crate::outputs::PictureArgs;
 use crate::progress::Watch;
 
 /// Show a painted material on an object
@@ -19,6 +20,7 @@ use crate::progress::Watch;
 ///
 /// Example: brdf paint preview material/ --mesh dragon.ply --light-deg 30,40 -o dragon.png
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("preview.png")))]
 pub(in crate::commands) struct Preview {
     /// Folder that `brdf paint extract` wrote, or its material.safetensors
     material: PathBuf,
@@ -27,9 +29,8 @@ pub(in crate::commands) struct Preview {
     #[arg(long, value_name = "FILE")]
     mesh: PathBuf,
 
-    /// Picture to write, PNG
-    #[arg(short, long, value_name = "FILE", default_value = "preview.png")]
-    output: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
 
     #[command(flatten)]
     view: ViewArgs,
@@ -48,17 +49,11 @@ pub(in crate::commands) struct Preview {
     /// Factor from linear values to what is shown as white [default: 1 under one light]
     #[arg(long, value_parser = positive)]
     exposure: Option<f64>,
-
-    #[command(flatten)]
-    force: ForceArgs,
 }
 
 impl Preview {
     pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
-        if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            let name = self.output.display();
-            return Err(usage(format!("{name}: expected a name that ends in .png")));
-        }
+        self.picture.check()?;
         let path = if self.material.is_dir() {
             self.material.join("material.safetensors")
         } else {
@@ -80,14 +75,10 @@ impl Preview {
         let film = render_mesh(&mesh, &file.material, &light_source, &camera, &view);
         drop(watch);
         // Paintings are in [0, 1], and so is what is lit like them.
-        let usual = if self.light.env.is_some() {
-            ToneMap::exposed_for(&film)
-        } else {
-            ToneMap { exposure: 1.0 }
-        };
-        let tone = self.exposure.map_or(usual, |exposure| ToneMap { exposure });
-        write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
-        writeln!(std::io::stderr(), "{}", self.output.display())?;
-        Ok(())
+        let is_lit_all_over = self.light.env.is_some();
+        self.picture.write_film(&film, |film| match is_lit_all_over {
+            true => ToneMap::exposed_for(film),
+            false => ToneMap { exposure: 1.0 },
+        })
     }
 }

@@ -7,7 +7,7 @@ use brdf_relight::{SpeedParams, SpeedReport, measure_speed};
 use brdf_report::speed_text;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
-use crate::args::show;
+use crate::outputs::show;
 use crate::progress::Watch;
 
 /// Time new light and new views of a precomputed object

@@ -10,7 +10,7 @@ use brdf_relight::{CompareParams, Occluder, compare};
 use brdf_report::breakdown_text;
 
 use super::loading::{LightArgs, Loaded, mesh_of};
-use crate::args::show;
+use crate::outputs::show;
 use crate::progress::Watch;
 
 /// Say what relighting loses, against brute force

@@ -14,8 +14,9 @@ use brdf_relight::{
 use brdf_report::bytes as shown_bytes;
 use clap::ValueEnum;
 
-use crate::args::{ForceArgs, not_negative, show, usage, within};
+use crate::args::{not_negative, usage, within};
 use crate::meshes::open_mesh;
+use crate::outputs::{ForceArgs, show};
 use crate::progress::Watch;
 
 /// Find how an object answers light from everywhere

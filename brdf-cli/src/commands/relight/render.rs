@@ -3,18 +3,18 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use brdf_files::write_atomically;
-use brdf_image::{ToneMap, encode_png};
+use brdf_image::ToneMap;
 use brdf_relight::{RelitScene, render};
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
-use crate::args::{ForceArgs, positive, usage};
+use crate::outputs::PictureArgs;
 use crate::progress::Watch;
 
 /// Show a precomputed object under an environment
 ///
 /// Example: brdf relight render bunny.prt --env grace.hdr --rotate-deg 40 -o a.png
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("relit.png")))]
 pub(in crate::commands) struct Render {
     /// File that `brdf relight precompute` wrote
     object: PathBuf,
@@ -25,24 +25,13 @@ pub(in crate::commands) struct Render {
     #[command(flatten)]
     shot: ShotArgs,
 
-    /// Picture to write, PNG
-    #[arg(short, long, value_name = "FILE", default_value = "relit.png")]
-    output: PathBuf,
-
-    /// Factor from linear values to what is shown as white
-    #[arg(long, value_parser = positive)]
-    exposure: Option<f64>,
-
     #[command(flatten)]
-    force: ForceArgs,
+    picture: PictureArgs,
 }
 
 impl Render {
     pub(in crate::commands) fn run(self, _out: &mut impl Write) -> anyhow::Result<()> {
-        if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            let name = self.output.display();
-            return Err(usage(format!("{name}: expected a name that ends in .png")));
-        }
+        self.picture.check()?;
         let watch = Watch::start();
         watch.step("relighting");
         let loaded = Loaded::open(&self.object)?;
@@ -53,17 +42,14 @@ impl Render {
         relit.relight(&file.parts, &lit);
         let shot = self.shot.orbit().render_params(&mesh, 0.0);
         let (film, negative) = render(&file.parts, &relit, &shot);
-        let tone = self
-            .exposure
-            .map_or_else(|| ToneMap::exposed_for(&film), |exposure| ToneMap { exposure });
-        write_atomically(&self.output, &encode_png(&tone.apply(&film))?, self.force.overwrite())?;
         drop(watch);
-        let mut err = std::io::stderr();
         if negative > 0 {
             let points = (shot.size * shot.points).pow(2);
-            writeln!(err, "{negative} of {points} points are below 0 in a channel, set to 0")?;
+            writeln!(
+                std::io::stderr(),
+                "{negative} of {points} points are below 0 in a channel, set to 0"
+            )?;
         }
-        writeln!(err, "{}", self.output.display())?;
-        Ok(())
+        self.picture.write_film(&film, ToneMap::exposed_for)
     }
 }

@@ -4,14 +4,14 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use brdf_container::MaterialFile;
-use brdf_files::OutputFolder;
 use brdf_image::ToneMap;
 use brdf_io::ReadOptions;
 use brdf_relight::{RelightError, SweepReport, SweptNumbers, Vary, sweep};
 use brdf_report::{sweep_captions, sweep_files};
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
-use crate::args::{positive, usage, write_all};
+use crate::args::{positive, usage};
+use crate::outputs::{FolderArgs, write_all};
 use crate::progress::Watch;
 
 /// Show what fewer terms, or fewer coefficients, do to a picture
@@ -22,6 +22,7 @@ use crate::progress::Watch;
 ///
 /// Example: brdf relight sweep bunny.prt --env grace.hdr --brdf preset:plastic --terms 1,4,16 -o terms
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("sweep")))]
 pub(in crate::commands) struct Sweep {
     /// File that `brdf relight precompute` wrote
     object: PathBuf,
@@ -53,13 +54,8 @@ pub(in crate::commands) struct Sweep {
     #[arg(long, value_parser = positive)]
     exposure: Option<f64>,
 
-    /// Folder to write
-    #[arg(short, long, value_name = "FOLDER", default_value = "sweep")]
-    output: PathBuf,
-
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    folder: FolderArgs,
 }
 
 impl Sweep {
@@ -69,7 +65,7 @@ impl Sweep {
         let subject = MaterialFile::open(&self.brdf, &ReadOptions::default())?;
         let mesh = mesh_of(&file)?;
         let (light, shot) = (self.light.light()?, self.shot.orbit().render_params(&mesh, 0.0));
-        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let mut folder = self.folder.create()?;
         let (vary, numbers) = match self.terms.is_empty() {
             false => (Vary::Terms(subject.brdf()), SweptNumbers::Terms(self.terms)),
             true => (Vary::Coefficients, SweptNumbers::Coefficients(self.coefficients)),
@@ -102,7 +98,7 @@ impl Sweep {
         drop(watch);
         let mut err = std::io::stderr();
         sweep_captions(&report).iter().try_for_each(|caption| writeln!(err, "{caption}"))?;
-        writeln!(err, "{}", self.output.display())?;
+        writeln!(err, "{}", self.folder.output.display())?;
         Ok(())
     }
 }

@@ -3,7 +3,6 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use brdf_files::OutputFolder;
 use brdf_image::encode_png;
 use brdf_relight::{Turn, TurntableParams, TurntableReport, turntable};
 use brdf_report::sorted_json;
@@ -11,6 +10,7 @@ use clap::ValueEnum;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
 use crate::args::positive;
+use crate::outputs::FolderArgs;
 use crate::progress::Watch;
 
 /// Show a precomputed object from all sides, or under light from all sides
@@ -19,6 +19,7 @@ use crate::progress::Watch;
 ///
 /// Example: brdf relight turntable bunny.prt --env grace.hdr --frames 60 -o frames/
 #[derive(clap::Args)]
+#[command(mut_arg("output", |arg| arg.default_value("frames")))]
 pub(in crate::commands) struct Turntable {
     /// File that `brdf relight precompute` wrote
     object: PathBuf,
@@ -37,17 +38,12 @@ pub(in crate::commands) struct Turntable {
     #[arg(long, value_enum, default_value_t = TurnArg::View)]
     turn: TurnArg,
 
-    /// Folder to write
-    #[arg(short, long, value_name = "FOLDER", default_value = "frames")]
-    output: PathBuf,
+    #[command(flatten)]
+    folder: FolderArgs,
 
     /// Factor from linear values to what is shown as white [default: as the first frame needs]
     #[arg(long, value_parser = positive)]
     exposure: Option<f64>,
-
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -75,7 +71,7 @@ impl Turntable {
             },
             exposure: self.exposure,
         };
-        let mut folder = OutputFolder::new(&self.output, self.force)?;
+        let mut folder = self.folder.create()?;
         let mut take = |frame: u32, picture| -> anyhow::Result<()> {
             let name = format!("frame-{:03}.png", frame + 1);
             Ok(folder.write(&name, &encode_png(&picture)?)?)
@@ -91,7 +87,7 @@ impl Turntable {
         };
         folder.write("report.json", sorted_json(&report)?.as_bytes())?;
         folder.finish()?;
-        writeln!(std::io::stderr(), "{}", self.output.display())?;
+        writeln!(std::io::stderr(), "{}", self.folder.output.display())?;
         Ok(())
     }
 }

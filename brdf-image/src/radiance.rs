@@ -3,29 +3,62 @@
 //! Source: G. Ward, "Real Pixels", Graphics Gems II, 1991; file format of the Radiance reference
 //! manual. Pictures of BTFs exist whose lines are columns, which common readers refuse.
 
-use brdf_io::FormatError;
-use brdf_io::quoted;
+use crate::{ImageError, check_claim};
 
-/// Texels of lines that can be run-length coded channel by channel.
+/// A picture of linear RGB values, without opacity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearImage {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear red, green and blue, row by row from the top.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Returns the width and height that the header of a Radiance picture claims, and that the file may hold.
+///
+/// # Errors
+///
+/// [`ImageError`] for content that is no such picture.
+pub fn hdr_size(bytes: &[u8]) -> Result<[usize; 2], ImageError> {
+    let size = read_header(bytes)?.size;
+    check_claim(bytes.len(), size)?;
+    Ok(size)
+}
+
+/// Returns the picture of a Radiance HDR file, its radiance as before the exposures that the header lists.
+///
+/// # Errors
+///
+/// [`ImageError`] for content that is no such picture, ends early, or has runs that do not end with their line.
+pub fn decode_hdr(bytes: &[u8]) -> Result<LinearImage, ImageError> {
+    let header = read_header(bytes)?;
+    let [width, height] = header.size;
+    check_claim(bytes.len(), header.size)?;
+    Ok(LinearImage { width, height, pixels: read_pixels(bytes, &header)? })
+}
+
+/// Pixels of lines that can be run-length coded channel by channel.
 const CODED_WIDTHS: std::ops::Range<usize> = 8..0x8000;
 /// Longest header that is read.
 const LONGEST_HEADER: usize = 64 << 10;
-/// How the header must name the coding of texels.
+/// How the header must name the coding of pixels.
 const FORMAT: &str = "32-bit_rle_rgbe";
 
 /// What a header says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct RgbeHeader {
+struct Header {
     /// Width and height.
-    pub(crate) size: [usize; 2],
+    size: [usize; 2],
     order: Order,
     /// By what stored values were multiplied.
     exposure: f32,
-    /// Where texels start.
+    /// Where pixels start.
     data: usize,
 }
 
-/// In which order texels are stored.
+/// In which order pixels are stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Order {
     /// A stored line is a column.
@@ -40,51 +73,49 @@ struct Order {
 ///
 /// # Errors
 ///
-/// [`FormatError`] for another format and a resolution that is none.
-pub(crate) fn read_rgbe_header(bytes: &[u8]) -> Result<RgbeHeader, FormatError> {
+/// [`ImageError`] for another format and a resolution that is none.
+fn read_header(bytes: &[u8]) -> Result<Header, ImageError> {
     let mut at = 0;
     let mut exposure = 1.0;
+    let mut is_radiance = bytes.starts_with(b"#?");
     loop {
         let line = line(bytes, &mut at)?;
         if line.is_empty() {
             break;
         }
-        if let Some(format) = line.strip_prefix("FORMAT=").map(str::trim)
-            && format != FORMAT
-        {
-            return Err(unusable(&format!("format {}", quoted(format)), FORMAT));
+        if let Some(format) = line.strip_prefix("FORMAT=").map(str::trim) {
+            if format != FORMAT {
+                return Err(unusable(format!("format {format:?}"), FORMAT));
+            }
+            is_radiance = true;
         }
         if let Some(factor) = line.strip_prefix("EXPOSURE=") {
             // Each program that scaled the picture left a line.
             exposure *= factor.trim().parse::<f32>().unwrap_or(f32::NAN);
         }
     }
+    if !is_radiance {
+        return Err(unusable("first line".to_owned(), "#?RADIANCE, or a line FORMAT"));
+    }
     if !(exposure > 0.0 && exposure.is_finite()) {
-        return Err(unusable(&format!("exposure {exposure}"), "a number above 0"));
+        return Err(unusable(format!("exposure {exposure}"), "a number above 0"));
     }
     let resolution = line(bytes, &mut at)?;
-    let (size, order) = parse_resolution(&resolution).ok_or_else(|| {
-        unusable(&format!("resolution {}", quoted(&resolution)), "-Y ROWS +X COLUMNS")
-    })?;
-    Ok(RgbeHeader { size, order, exposure, data: at })
+    let (size, order) = parse_resolution(&resolution)
+        .ok_or_else(|| unusable(format!("resolution {resolution:?}"), "-Y ROWS +X COLUMNS"))?;
+    Ok(Header { size, order, exposure, data: at })
 }
 
-fn unusable(what: &str, expected: &str) -> FormatError {
-    FormatError::Missing {
-        what: format!("usable Radiance header: its {what}"),
-        expected: expected.to_owned(),
-    }
+fn unusable(found: String, expected: &'static str) -> ImageError {
+    ImageError::Header { what: "Radiance", found, expected }
 }
 
 /// The line at an offset, which moves behind it.
-fn line(bytes: &[u8], at: &mut usize) -> Result<String, FormatError> {
+fn line(bytes: &[u8], at: &mut usize) -> Result<String, ImageError> {
     let rest = &bytes[*at..bytes.len().min(LONGEST_HEADER).max(*at)];
-    let length =
-        rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| FormatError::PastEnd {
-            offset: *at as u64,
-            what: "the Radiance header".to_owned(),
-            length: bytes.len(),
-        })?;
+    let length = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
+        ImageError::PastEnd { offset: *at, what: "the Radiance header", length: bytes.len() }
+    })?;
     *at += length + 1;
     Ok(String::from_utf8_lossy(&rest[..length]).trim_end().to_owned())
 }
@@ -108,41 +139,41 @@ fn sign(word: &str, first: &str, second: &str) -> Option<bool> {
     [first, second].iter().position(|known| *known == word).map(|index| index == 1)
 }
 
-impl RgbeHeader {
-    /// Number of stored lines and of texels in one.
+impl Header {
+    /// Number of stored lines and of pixels in one.
     fn lines(&self) -> (usize, usize) {
         let [width, height] = self.size;
         if self.order.columns { (width, height) } else { (height, width) }
     }
 
-    /// Where a texel of a stored line belongs, counted row by row from the top.
-    fn place(&self, line: usize, texel: usize) -> usize {
+    /// Where a pixel of a stored line belongs, counted row by row from the top.
+    fn place(&self, line: usize, pixel: usize) -> usize {
         let [width, height] = self.size;
-        let (column, row) = if self.order.columns { (line, texel) } else { (texel, line) };
+        let (column, row) = if self.order.columns { (line, pixel) } else { (pixel, line) };
         let column = if self.order.right_to_left { width - 1 - column } else { column };
         let row = if self.order.bottom_up { height - 1 - row } else { row };
         row * width + column
     }
 }
 
-/// Decodes texels row by row from the top. A caller has held the size against the file.
+/// Decodes pixels row by row from the top. A caller has held the size against the file.
 ///
 /// # Errors
 ///
-/// [`FormatError`] if the file ends early or runs do not end with their line.
-pub(crate) fn read_rgbe(bytes: &[u8], header: &RgbeHeader) -> Result<Vec<f32>, FormatError> {
+/// [`ImageError`] if the file ends early or runs do not end with their line.
+fn read_pixels(bytes: &[u8], header: &Header) -> Result<Vec<[f32; 3]>, ImageError> {
     let (lines, length) = header.lines();
-    let mut values = vec![0.0; 3 * lines * length];
+    let mut pixels = vec![[0.0; 3]; lines * length];
     let mut line = vec![[0; 4]; length];
     let mut source = Source { bytes, at: header.data };
     for number in 0..lines {
         source.read_line(&mut line)?;
-        for (texel, rgbe) in line.iter().enumerate() {
+        for (pixel, rgbe) in line.iter().enumerate() {
             let rgb = to_rgb(*rgbe).map(|value| value / header.exposure);
-            values[3 * header.place(number, texel)..][..3].copy_from_slice(&rgb);
+            pixels[header.place(number, pixel)] = rgb;
         }
     }
-    Ok(values)
+    Ok(pixels)
 }
 
 /// Mantissas of 8 bits below a common exponent.
@@ -161,18 +192,18 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], FormatError> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], ImageError> {
         let taken = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<N>());
-        let taken = taken.ok_or_else(|| FormatError::PastEnd {
-            offset: self.at as u64,
-            what: "a line of texels".to_owned(),
+        let taken = taken.ok_or_else(|| ImageError::PastEnd {
+            offset: self.at,
+            what: "a line of pixels",
             length: self.bytes.len(),
         })?;
         self.at += N;
         Ok(*taken)
     }
 
-    fn read_line(&mut self, line: &mut [[u8; 4]]) -> Result<(), FormatError> {
+    fn read_line(&mut self, line: &mut [[u8; 4]]) -> Result<(), ImageError> {
         let start = self.at;
         if CODED_WIDTHS.contains(&line.len()) {
             let [a, b, high, low] = self.take()?;
@@ -181,11 +212,11 @@ impl Source<'_> {
             }
             self.at = start;
         }
-        self.read_texels(line)
+        self.read_pixels(line)
     }
 
     /// A channel of a line: runs and literal stretches.
-    fn read_channel(&mut self, line: &mut [[u8; 4]], channel: usize) -> Result<(), FormatError> {
+    fn read_channel(&mut self, line: &mut [[u8; 4]], channel: usize) -> Result<(), ImageError> {
         let mut filled = 0;
         while filled < line.len() {
             let offset = self.at;
@@ -196,24 +227,24 @@ impl Source<'_> {
                 return Err(wrong_run(offset, count, line.len() - filled));
             }
             let repeated = if run { self.take::<1>()?[0] } else { 0 };
-            for texel in &mut line[filled..filled + count] {
-                texel[channel] = if run { repeated } else { self.take::<1>()?[0] };
+            for pixel in &mut line[filled..filled + count] {
+                pixel[channel] = if run { repeated } else { self.take::<1>()?[0] };
             }
             filled += count;
         }
         Ok(())
     }
 
-    /// Texels one by one; `1 1 1 n` repeats the one before n times, and further such texels count in
+    /// Pixels one by one; `1 1 1 n` repeats the one before n times, and further such pixels count in
     /// steps of 256, 65,536 and so on.
-    fn read_texels(&mut self, line: &mut [[u8; 4]]) -> Result<(), FormatError> {
+    fn read_pixels(&mut self, line: &mut [[u8; 4]]) -> Result<(), ImageError> {
         let mut filled = 0;
         let mut shift = 0;
         while filled < line.len() {
             let offset = self.at;
-            let texel: [u8; 4] = self.take()?;
-            let [1, 1, 1, count] = texel else {
-                line[filled] = texel;
+            let pixel: [u8; 4] = self.take()?;
+            let [1, 1, 1, count] = pixel else {
+                line[filled] = pixel;
                 (filled, shift) = (filled + 1, 0);
                 continue;
             };
@@ -229,28 +260,23 @@ impl Source<'_> {
     }
 }
 
-fn wrong_run(offset: usize, count: usize, most: usize) -> FormatError {
-    FormatError::Field {
-        offset,
-        what: "length of a run",
-        found: count.to_string(),
-        expected: format!("1 to {most}, to the end of the line"),
-    }
+fn wrong_run(offset: usize, count: usize, most: usize) -> ImageError {
+    ImageError::Run { offset, found: count, most }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A picture whose texel in column x, row y is (x + 1, y + 1, 5), in any order, uncoded.
+    /// A picture whose pixel in column x, row y is (x + 1, y + 1, 5), in any order, uncoded.
     fn stored(resolution: &str, [width, height]: [usize; 2]) -> Vec<u8> {
         let mut bytes = format!("#?RADIANCE\nFORMAT={FORMAT}\n\n{resolution}\n").into_bytes();
-        let header = read_rgbe_header(&bytes).unwrap();
+        let header = read_header(&bytes).unwrap();
         assert_eq!(header.size, [width, height], "{resolution}");
         let (lines, length) = header.lines();
         for line in 0..lines {
-            for texel in 0..length {
-                let place = header.place(line, texel);
+            for pixel in 0..length {
+                let place = header.place(line, pixel);
                 let [x, y] = [place % width, place / width].map(|v| u8::try_from(v).unwrap());
                 bytes.extend([x + 1, y + 1, 5, 136]);
             }
@@ -260,7 +286,7 @@ mod tests {
 
     #[test]
     fn the_order_of_a_resolution_line_is_kept_to() {
-        // The first stored texel is at the corner where both counts start.
+        // The first stored pixel is at the corner where both counts start.
         for (resolution, first, second) in [
             ("-Y 2 +X 3", [0, 0], [1, 0]),
             ("-Y 2 -X 3", [2, 0], [1, 0]),
@@ -272,19 +298,19 @@ mod tests {
             ("-X 3 +Y 2", [2, 1], [2, 0]),
         ] {
             let bytes = stored(resolution, [3, 2]);
-            let header = read_rgbe_header(&bytes).unwrap();
+            let header = read_header(&bytes).unwrap();
             assert_eq!(header.place(0, 0), first[0] + 3 * first[1], "{resolution}");
             assert_eq!(header.place(0, 1), second[0] + 3 * second[1], "{resolution}");
-            let values = read_rgbe(&bytes, &header).unwrap();
-            let expected: Vec<f32> = (0..6_u8)
-                .flat_map(|texel| [f32::from(texel % 3 + 1), f32::from(texel / 3 + 1), 5.0])
+            let values = read_pixels(&bytes, &header).unwrap();
+            let expected: Vec<[f32; 3]> = (0..6_u8)
+                .map(|pixel| [f32::from(pixel % 3 + 1), f32::from(pixel / 3 + 1), 5.0])
                 .collect();
             assert!(values == expected, "{resolution}: {values:?}");
         }
     }
 
     #[test]
-    fn both_codings_of_runs_give_the_texels() {
+    fn both_codings_of_runs_give_the_pixels() {
         let head = format!("#?RGBE\nEXPOSURE=2\nFORMAT={FORMAT}\n\n-Y 1 +X 10\n");
         let old = [[9, 8, 7, 130], [1, 1, 1, 9]].concat();
         let new =
@@ -292,9 +318,9 @@ mod tests {
                 .concat();
         for data in [old, new] {
             let bytes = [head.as_bytes(), &data].concat();
-            let values = read_rgbe(&bytes, &read_rgbe_header(&bytes).unwrap()).unwrap();
-            let texel = [9.0, 8.0, 7.0].map(|mantissa: f32| mantissa / 128.0);
-            assert!(values.chunks(3).all(|rgb| rgb == texel) && values.len() == 30, "{values:?}");
+            let values = read_pixels(&bytes, &read_header(&bytes).unwrap()).unwrap();
+            let pixel = [9.0, 8.0, 7.0].map(|mantissa: f32| mantissa / 128.0);
+            assert!(values.iter().all(|rgb| *rgb == pixel) && values.len() == 10, "{values:?}");
         }
     }
 
@@ -302,16 +328,17 @@ mod tests {
     fn broken_headers_and_runs_are_refused() {
         for (text, word) in [
             ("FORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n", "xyze"),
-            ("EXPOSURE=-1\n\n-Y 1 +X 1\n", "exposure -1"),
-            ("\n-Y 1 +Y 1\n", "resolution"),
-            ("\n-Y 1 +X 1", "past the end"),
+            ("#?RGBE\nEXPOSURE=-1\n\n-Y 1 +X 1\n", "exposure -1"),
+            ("#?RGBE\n\n-Y 1 +Y 1\n", "resolution"),
+            ("#?RGBE\n\n-Y 1 +X 1", "past the end"),
+            ("\n-Y 1 +X 1\n", "first line"),
         ] {
-            let message = read_rgbe_header(text.as_bytes()).unwrap_err().to_string();
+            let message = read_header(text.as_bytes()).unwrap_err().to_string();
             assert!(message.contains(word), "{message}");
         }
         for data in [&[2, 2, 0, 8, 137, 1][..], &[2, 2, 0, 8, 0, 0], &[1, 1, 1, 1], &[5, 5]] {
-            let bytes = [b"\n-Y 1 +X 8\n", data].concat();
-            assert!(read_rgbe(&bytes, &read_rgbe_header(&bytes).unwrap()).is_err(), "{data:?}");
+            let bytes = [b"#?RGBE\n\n-Y 1 +X 8\n", data].concat();
+            assert!(read_pixels(&bytes, &read_header(&bytes).unwrap()).is_err(), "{data:?}");
         }
     }
 }

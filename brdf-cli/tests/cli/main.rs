@@ -1,0 +1,14 @@
+//! The `brdf` command from outside: what it prints and writes, how it fails.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "a test that cannot go on has failed"
+)]
+
+mod btf;
+mod end_to_end;
+mod paint;
+mod relight;
+mod schema;
+mod support;
