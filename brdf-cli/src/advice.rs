@@ -1,7 +1,6 @@
 //! What can be done about notes and errors, in terms of options.
 
 use std::error::Error;
-use std::fmt;
 
 use brdf_container::{ContainerError, Kind, OpenError, Paintings, SceneError};
 use brdf_files::FileError;
@@ -11,16 +10,9 @@ use brdf_paint::PaintNote;
 use brdf_report::{fit_note, paint_note};
 
 /// A failure of which the user knows.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("there were errors")]
 pub(crate) struct AlreadySaid;
-
-impl Error for AlreadySaid {}
-
-impl fmt::Display for AlreadySaid {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("there were errors")
-    }
-}
 
 /// What the readers assumed or changed, as sentences.
 pub(crate) fn read_notes(notes: &[ReadNote]) -> Vec<String> {

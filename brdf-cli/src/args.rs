@@ -9,10 +9,6 @@ use brdf_files::{FileError, MappedFile};
 use brdf_io::{ColumnMap, ReadOptions};
 use brdf_model::{Channels, MerlLookup, MerlNodes};
 use brdf_render::{DirectionalLight, Environment, Light};
-use clap::CommandFactory as _;
-use clap::error::ErrorKind;
-
-use crate::commands::Cli;
 
 /// How measured files are read.
 #[derive(Clone, Debug, clap::Args)]
@@ -195,7 +191,27 @@ pub(crate) fn resolution(text: &str) -> Result<[usize; 2], String> {
     }
 }
 
-/// A usage error of a subcommand, with exit code 2.
-pub(crate) fn usage(message: impl std::fmt::Display) -> anyhow::Error {
-    Cli::command().error(ErrorKind::ArgumentConflict, message).into()
+/// The first option that was given, if any.
+pub(crate) fn first_given(options: &[(bool, &'static str)]) -> Option<&'static str> {
+    options.iter().find_map(|(given, name)| given.then_some(*name))
+}
+
+/// The name of a file without folders.
+pub(crate) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The name of a file without folders and ending.
+pub(crate) fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// Arguments that do not go together.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct Usage(String);
+
+/// The error of arguments that do not go together.
+pub(crate) fn usage(message: impl Into<String>) -> anyhow::Error {
+    Usage(message.into()).into()
 }

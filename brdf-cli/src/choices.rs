@@ -205,18 +205,9 @@ impl SpaceArg {
 }
 
 impl MethodArg {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Search => "search",
-            Self::Mccool => "mccool",
-            Self::Radial => "radial",
-            Self::Projections => "projections",
-            Self::Svd => "svd",
-            Self::LogSvd => "log-svd",
-            Self::Eigen => "eigen",
-            Self::Nmf => "nmf",
-            Self::Normalized => "normalized",
-        }
+    /// As it stands on the command line.
+    pub(crate) fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     /// The model is a sum of products.

@@ -10,10 +10,11 @@ mod meshes;
 mod outputs;
 mod progress;
 
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-use clap::Parser as _;
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, Parser as _};
 
 fn main() -> ExitCode {
     let command = commands::Cli::parse();
@@ -28,13 +29,13 @@ fn main() -> ExitCode {
 /// has what it wanted.
 fn explain(error: &anyhow::Error) -> ExitCode {
     let pipe_closed = error.chain().any(|cause| {
-        cause.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
+        cause.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
     });
     if pipe_closed {
         return ExitCode::SUCCESS;
     }
-    if let Some(usage) = error.downcast_ref::<clap::Error>() {
-        let _ = usage.print();
+    if error.is::<args::Usage>() {
+        let _ = commands::Cli::command().error(ErrorKind::ArgumentConflict, error).print();
         return ExitCode::from(2);
     }
     if error.is::<advice::AlreadySaid>() {

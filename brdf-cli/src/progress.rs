@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use brdf_job::{Cancel, Job, Progress};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
@@ -42,13 +42,26 @@ impl Watch {
 
     /// Does work whose progress is shown.
     pub(crate) fn run<T>(&self, work: impl FnOnce(&Job<'_>) -> T) -> T {
+        self.run_until(None, work)
+    }
+
+    /// Does work that is stopped at a deadline, if there is one.
+    pub(crate) fn run_until<T>(
+        &self,
+        deadline: Option<Instant>,
+        work: impl FnOnce(&Job<'_>) -> T,
+    ) -> T {
         let show = |progress: &Progress<'_>| {
             self.bar.set_message(progress.stage.to_owned());
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share")]
             self.bar.set_position((progress.fraction * f64::from(LENGTH)) as u64);
         };
         self.is_watched.store(true, Ordering::SeqCst);
-        let done = work(&Job::watched_by(&show).with_cancel(&self.cancel));
+        let job = Job::watched_by(&show).with_cancel(&self.cancel);
+        let done = match deadline {
+            Some(deadline) => work(&job.with_deadline(deadline)),
+            None => work(&job),
+        };
         self.is_watched.store(false, Ordering::SeqCst);
         done
     }

@@ -17,8 +17,8 @@ pub struct Evaluated {
     pub without_data: usize,
     /// Pairs for which a sum of products has a negative channel, set to 0.
     pub negative: usize,
-    /// What evaluating a product of textures did; none of everything else.
-    pub factored: Option<EvalCounts>,
+    /// What evaluating a product of textures did, and its grazing limit in radians; none of everything else.
+    pub factored: Option<(EvalCounts, f64)>,
 }
 
 impl MaterialFile {
@@ -47,7 +47,8 @@ impl MaterialFile {
                 found.negative = pairs.iter().filter(is_negative).count();
             }
             Content::Factored(file) => {
-                found.factored = Some(file.model.count(pairs.iter().copied()));
+                let counts = file.model.count(pairs.iter().copied());
+                found.factored = Some((counts, file.model.theta_max()));
             }
             Content::Preset(_) | Content::Measured(_) => {}
         }

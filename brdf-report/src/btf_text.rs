@@ -7,6 +7,7 @@ use brdf_container::{BrdfComparison, CompressReport, TextureComparison};
 use brdf_relight::{ErrorBreakdown, SpeedReport};
 use btf_io::SynthReport;
 use btf_vq::{Fidelity, RateRow};
+use serde_json::Value;
 
 use crate::numbers::{bytes, percent, significant};
 use crate::text::text;
@@ -127,5 +128,36 @@ fn write_breakdown(breakdown: &ErrorBreakdown, out: &mut String) -> fmt::Result 
     match breakdown.negative {
         0 => Ok(()),
         negative => writeln!(out, "  {negative} colours are below 0 in a channel"),
+    }
+}
+
+/// Returns the facts of a record, one on each line; items of a list each on their own.
+pub fn facts_text(name: &str, facts: &Value) -> String {
+    text(|out| write_facts(name, facts, out))
+}
+
+fn write_facts(name: &str, facts: &Value, out: &mut String) -> fmt::Result {
+    writeln!(out, "{name}")?;
+    for (key, value) in facts.as_object().into_iter().flatten() {
+        match value {
+            Value::Array(items) => {
+                items.iter().try_for_each(|item| writeln!(out, "  {key}: {}", plain(item)))?;
+            }
+            other => writeln!(out, "  {key}: {}", plain(other))?,
+        }
+    }
+    Ok(())
+}
+
+/// JSON without quotes and braces.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Object(fields) => {
+            let parts: Vec<String> =
+                fields.iter().map(|(key, value)| format!("{key} {}", plain(value))).collect();
+            parts.join(", ")
+        }
+        other => other.to_string(),
     }
 }

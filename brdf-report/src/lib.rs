@@ -25,8 +25,8 @@ mod text;
 mod texture_view;
 
 pub use btf_text::{
-    brdf_comparison_text, breakdown_text, compress_text, rate_text, speed_text, synth_text,
-    texture_comparison_text,
+    brdf_comparison_text, breakdown_text, compress_text, facts_text, rate_text, speed_text,
+    synth_text, texture_comparison_text,
 };
 pub use error::ReportError;
 pub use factored::{factored_files, kept_files};
@@ -34,7 +34,7 @@ pub use figures::{
     error_chart, factored_textures_plot, rank_error_plot, separable_textures_plot, spectrum_plot,
 };
 pub use files::{ResultFile, sorted_json};
-pub use notes::{fit_note, paint_note};
+pub use notes::{evaluation_notes, fit_note, paint_note};
 pub use numbers::{bytes, or_dash, percent, significant};
 pub use paint::{PaintedView, paint_files};
 pub use rates::{rate_csv, rate_plot};
@@ -47,7 +47,7 @@ pub use spheres::line_up;
 pub use study::study_files;
 pub use text::{
     comparison_measures, comparison_table, factored_text, folder_comparison_text, info_text,
-    separable_text, study_text,
+    kept_text, painted_text, separable_text, study_text,
 };
 pub use texture_view::{MASKED_OUT, texture_view};
 

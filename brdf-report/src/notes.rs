@@ -1,5 +1,7 @@
 //! Notes as sentences. What could be done about them is for front ends to add, who know what their options are called.
 
+use brdf_container::Evaluated;
+use brdf_factor::EvalCounts;
 use brdf_fit::FitNote;
 use brdf_paint::PaintNote;
 
@@ -154,4 +156,30 @@ pub fn paint_note(note: &PaintNote) -> String {
 
 fn share(part: usize, whole: usize) -> String {
     percent(part as f64 / whole.max(1) as f64)
+}
+
+/// Returns what was not as asked in an evaluation, as sentences.
+pub fn evaluation_notes(found: &Evaluated) -> Vec<String> {
+    let mut notes = Vec::new();
+    let Evaluated { below_horizon, without_data, negative, .. } = found;
+    if below_horizon + without_data > 0 {
+        notes.push(format!(
+            "{below_horizon} rows below the horizon (0), {without_data} without data (NaN)"
+        ));
+    }
+    if *negative > 0 {
+        notes.push(format!("{negative} rows with a negative value, set to 0"));
+    }
+    if let Some((counts, theta_max)) = found.factored
+        && counts != EvalCounts::default()
+    {
+        let EvalCounts { pulled_back, outside_texture, clamped_below_zero } = counts;
+        notes.push(format!(
+            "{pulled_back} rows beyond the model's grazing limit of {:.4}°, pulled back to it; \
+             {outside_texture} moved to the rim of a texture; {clamped_below_zero} negative values set \
+             to 0",
+            theta_max.to_degrees()
+        ));
+    }
+    notes
 }

@@ -4,10 +4,11 @@ use std::fmt::{self, Write as _};
 
 use brdf_container::MaterialInfo;
 use brdf_fit::{
-    Comparison, Distribution, FactoredReport, FolderComparison, Method, ModelMeasures,
-    SeparableReport, TermRecord,
+    Comparison, Distribution, FactoredModel, FactoredReport, FolderComparison, Method,
+    ModelMeasures, SeparableReport, TermRecord,
 };
 use brdf_model::{Channels, MerlTable};
+use brdf_paint::PaintReport;
 use brdf_study::{STUDIED, StudyReport};
 
 use crate::numbers::{bytes, or_dash, percent, significant};
@@ -342,4 +343,36 @@ fn write_study(report: &StudyReport, out: &mut String) -> fmt::Result {
         writeln!(out, "left out: {reason}")?;
     }
     Ok(())
+}
+
+/// Returns what a model that was taken out of a larger one is, with the errors of its record.
+pub fn kept_text(kept: &FactoredModel) -> String {
+    text(|out| write_kept(kept, out))
+}
+
+fn write_kept(kept: &FactoredModel, out: &mut String) -> fmt::Result {
+    let textures = kept.model.factors().len();
+    let size = bytes(kept.model.payload_bytes());
+    writeln!(out, "{}: {textures} textures, {size}", kept.record.input)?;
+    if let Some(term) = kept.record.terms.iter().find(|term| term.textures == textures) {
+        let training = significant(term.training.log.mean_square);
+        let held_out = or_dash(term.held_out.as_ref().map(|e| e.log.mean_square));
+        writeln!(out, "mean square log error {training}, held out {held_out} (as recorded)")?;
+    }
+    Ok(())
+}
+
+/// Returns what was learned from paintings, in a folder of this name.
+pub fn painted_text(folder: &str, size: usize, report: &PaintReport) -> String {
+    text(|out| write_painted(folder, size, report, out))
+}
+
+fn write_painted(folder: &str, size: usize, report: &PaintReport, out: &mut String) -> fmt::Result {
+    writeln!(out, "{folder}: {}", bytes(size))?;
+    let (rms, samples) = (significant(report.rms.train), report.samples);
+    writeln!(out, "  RMS {rms} of {samples} painted pixels")?;
+    if let Some(rms) = report.rms.held_out {
+        writeln!(out, "  RMS {} of pixels that were not used", significant(rms))?;
+    }
+    report.notes.iter().try_for_each(|note| writeln!(out, "  {note}"))
 }

@@ -35,7 +35,7 @@ mod slice;
 
 pub use functions::TestFunction;
 pub use measure::{Bivariate, ParametrizationRow, StudyParams, best, study_material};
-pub use report::{GlossGroup, Medians, StudiedMaterial, StudyReport, Wins};
+pub use report::{GlossGroup, Medians, StudiedMaterial, StudyInput, StudyReport, Wins};
 pub use slice::{Slice, SliceAlignment, alignment};
 
 use brdf_param::Parametrization;

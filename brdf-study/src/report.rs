@@ -1,11 +1,15 @@
 //! The record of a study of several materials, with its verdict.
 
+use std::fmt;
+
+use brdf_job::{Job, Stopped};
 use brdf_model::{Brdf, anisotropy};
 use brdf_param::Parametrization;
+use brdf_separable::SeparableError;
 use serde::Serialize;
 
 use crate::STUDIED;
-use crate::measure::{ParametrizationRow, StudyParams, best};
+use crate::measure::{ParametrizationRow, StudyParams, best, study_material};
 
 /// The results of a study of several materials, which `brdf study` writes to `report.json`.
 ///
@@ -31,6 +35,27 @@ pub struct StudyReport {
     pub materials: Vec<StudiedMaterial>,
     /// Materials that could not be studied, each with the reason.
     pub skipped: Vec<String>,
+}
+
+/// A material to study.
+#[derive(Clone, Copy)]
+pub struct StudyInput<'a> {
+    /// The material, taken to be isotropic.
+    pub brdf: &'a dyn Brdf,
+    /// What it is called in the record.
+    pub name: &'a str,
+    /// Where it is from, for what is said if it cannot be studied.
+    pub source: &'a str,
+    /// Kind of its data.
+    pub kind: &'a str,
+    /// Whether values are interpolated between scattered measurements.
+    pub interpolated: bool,
+}
+
+impl fmt::Debug for StudyInput<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StudyInput").field("name", &self.name).finish_non_exhaustive()
+    }
 }
 
 /// The figures of one material.
@@ -103,20 +128,6 @@ const FIGURES: [Figure; 7] = [
 ];
 
 impl StudiedMaterial {
-    /// Returns the record of a material from the figures that [`study_material`](crate::study_material) returned.
-    ///
-    /// `interpolated` says whether values were interpolated between scattered measurements.
-    pub fn new(
-        material: String,
-        kind: &str,
-        brdf: &dyn Brdf,
-        interpolated: bool,
-        rows: Vec<ParametrizationRow>,
-    ) -> Self {
-        let anisotropy = anisotropy(brdf);
-        Self { material, kind: kind.to_owned(), interpolated, anisotropy, rows }
-    }
-
     /// Returns whether the material is anisotropic by more than interpolation in tables explains.
     pub fn is_anisotropic(&self) -> bool {
         self.anisotropy > ANISOTROPIC
@@ -131,8 +142,36 @@ impl StudiedMaterial {
 }
 
 impl StudyReport {
-    /// Returns the record of a study of these materials, with wins and medians over all of them.
-    pub fn new(
+    /// Studies materials and returns the record, with wins and medians over all of them. Those without data stand in
+    /// [`StudyReport::skipped`]. `version` is that of the program.
+    ///
+    /// # Errors
+    ///
+    /// [`Stopped`].
+    pub fn of(
+        version: &str,
+        inputs: &[StudyInput<'_>],
+        params: StudyParams,
+        job: &Job<'_>,
+    ) -> Result<Self, Stopped> {
+        let (mut materials, mut skipped) = (Vec::new(), Vec::new());
+        for (input, job) in inputs.iter().zip(job.split_into(&vec![1.0; inputs.len()])) {
+            match study_material(input.brdf, &params, &job) {
+                Ok(rows) => materials.push(StudiedMaterial {
+                    material: input.name.to_owned(),
+                    kind: input.kind.to_owned(),
+                    interpolated: input.interpolated,
+                    anisotropy: anisotropy(input.brdf),
+                    rows,
+                }),
+                Err(SeparableError::Stopped(stopped)) => return Err(stopped),
+                Err(error) => skipped.push(format!("{}: {error}", input.source)),
+            }
+        }
+        Ok(Self::summed(version, materials, skipped, params))
+    }
+
+    fn summed(
         version: &str,
         materials: Vec<StudiedMaterial>,
         skipped: Vec<String>,

@@ -52,7 +52,7 @@ pub use input::{Btf, BtfInput, open_btf};
 pub use loaded::LoadedBtf;
 pub use maps::{read_albedo, read_map};
 pub use names::{ImageAngles, NamedDirection, parse_image_name};
-pub use queries::read_queries;
+pub use queries::{answer_table, drawn_table, read_queries};
 pub use synthesis::{
     Relief, Roughness, SurfaceFiles, SynthReport, SynthesisError, read_surface, write_synthesized,
 };

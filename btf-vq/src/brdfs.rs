@@ -1,6 +1,7 @@
 //! BRDFs as textures of one texel: linear radiance under irradiance π, with the light's cosine.
 
 use std::f64::consts::PI;
+use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use brdf_model::{Brdf, Rgb};
@@ -22,6 +23,15 @@ pub struct Tabulated {
     pub without_data: u64,
     /// Nodes that came out negative and were set to 0.
     pub clamped: u64,
+}
+
+impl fmt::Display for Tabulated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.without_data > 0 {
+            write!(f, "{} pairs without data, ", self.without_data)?;
+        }
+        write!(f, "{} negative nodes set to 0", self.clamped)
+    }
 }
 
 /// Adds a BRDF to a table as one texel, and returns what was changed.

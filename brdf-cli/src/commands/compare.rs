@@ -10,7 +10,7 @@ use brdf_model::Channels;
 use brdf_report::{comparison_measures, comparison_table, folder_comparison_text};
 use clap::ValueEnum;
 
-use crate::args::{PairArgs, ReadArgs, environment, usage};
+use crate::args::{PairArgs, ReadArgs, environment, stem, usage};
 use crate::outputs::show;
 use crate::progress::Watch;
 
@@ -102,14 +102,8 @@ impl Compare {
 
     fn settings(&self) -> anyhow::Result<CompareSettings> {
         let is_all = self.metrics == MetricsArg::All;
-        let given: Vec<_> = self
-            .env
-            .iter()
-            .map(|path| {
-                let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
-                Ok((name.into_owned(), environment(path)?))
-            })
-            .collect::<anyhow::Result<_>>()?;
+        let given = self.env.iter().map(|path| Ok((stem(path), environment(path)?)));
+        let given = given.collect::<anyhow::Result<Vec<_>>>()?;
         Ok(CompareSettings {
             samples: self.samples,
             seed: self.seed,

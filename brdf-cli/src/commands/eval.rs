@@ -3,11 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use brdf_container::{Content, Evaluated};
-use brdf_factor::EvalCounts;
 use brdf_files::{FileError, MappedFile};
 use brdf_io::{direction_rows, direction_table_header};
 use brdf_param::DirectionPair;
+use brdf_report::evaluation_notes;
 
 use crate::args::ReadArgs;
 use crate::outputs::TableArgs;
@@ -42,44 +41,22 @@ impl Eval {
         let rows = direction_rows(&String::from_utf8_lossy(&bytes))
             .map_err(FileError::content(&self.directions))?;
         let (pairs, angles): (Vec<DirectionPair>, Vec<String>) = rows.into_iter().unzip();
-        let Evaluated { values, below_horizon, without_data, negative, factored } =
-            material.evaluate(&pairs);
+        let found = material.evaluate(&pairs);
         let mut table = format!("{}\n", direction_table_header(true));
-        for (value, angles) in values.iter().zip(&angles) {
+        for (value, angles) in found.values.iter().zip(&angles) {
             let [r, g, b] = value.channels();
             table.push_str(&format!("{angles},{r},{g},{b}\n"));
         }
         self.table.write(&table, out)?;
         let mut err = std::io::stderr();
-        if below_horizon + without_data > 0 {
-            writeln!(
-                err,
-                "{below_horizon} rows below the horizon (0), {without_data} without data (NaN)"
-            )?;
-        }
         if material.samples().is_some() {
+            let name = &material.source;
             writeln!(
                 err,
-                "{}: scattered samples; values are interpolated between the nearest ones",
-                material.source
+                "{name}: scattered samples; values are interpolated between the nearest ones"
             )?;
         }
-        if negative > 0 {
-            writeln!(err, "{negative} rows with a negative value, set to 0")?;
-        }
-        if let (Content::Factored(file), Some(counts)) = (&material.content, factored)
-            && counts != EvalCounts::default()
-        {
-            writeln!(
-                err,
-                "{} rows beyond the model's grazing limit of {:.4}°, pulled back to it; {} moved \
-                 to the rim of a texture; {} negative values set to 0",
-                counts.pulled_back,
-                file.model.theta_max().to_degrees(),
-                counts.outside_texture,
-                counts.clamped_below_zero
-            )?;
-        }
+        evaluation_notes(&found).iter().try_for_each(|note| writeln!(err, "{note}"))?;
         Ok(())
     }
 }

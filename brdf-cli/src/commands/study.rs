@@ -4,11 +4,9 @@ use std::io::Write;
 
 use anyhow::bail;
 use brdf_container::MaterialFile;
-use brdf_job::Stopped;
 use brdf_plot::plot_parametrizations;
 use brdf_report::{study_files, study_text};
-use brdf_separable::SeparableError;
-use brdf_study::{StudiedMaterial, StudyParams, StudyReport, study_material};
+use brdf_study::{StudyInput, StudyParams, StudyReport};
 
 use crate::args::ReadArgs;
 use crate::outputs::{FolderArgs, command_line, show, write_all};
@@ -60,27 +58,19 @@ impl Study {
         let mut folder = self.folder.create()?;
         let params = StudyParams { seed: self.seed, ..StudyParams::default() };
         let watch = Watch::start();
-        let mut materials = Vec::new();
-        let mut skipped = Vec::new();
-        watch.run(|job| {
-            for (file, job) in files.iter().zip(job.split_into(&vec![1.0; files.len()])) {
-                let rows = match study_material(file.brdf(), &params, &job) {
-                    Ok(rows) => rows,
-                    Err(SeparableError::Stopped(stopped)) => return Err(stopped),
-                    Err(error) => {
-                        skipped.push(format!("{}: {error}", file.source));
-                        continue;
-                    }
-                };
-                let interpolated = file.samples().is_some();
-                let name = file.short_name();
-                let brdf = file.brdf();
-                materials.push(StudiedMaterial::new(name, file.kind(), brdf, interpolated, rows));
-            }
-            Ok::<(), Stopped>(())
-        })?;
-        if materials.is_empty() {
-            bail!("no material could be studied: {}", skipped.join("; "));
+        let names: Vec<String> = files.iter().map(MaterialFile::short_name).collect();
+        let inputs = files.iter().zip(&names).map(|(file, name)| StudyInput {
+            brdf: file.brdf(),
+            name,
+            source: &file.source,
+            kind: file.kind(),
+            interpolated: file.samples().is_some(),
+        });
+        let inputs: Vec<StudyInput<'_>> = inputs.collect();
+        let version = env!("CARGO_PKG_VERSION");
+        let report = watch.run(|job| StudyReport::of(version, &inputs, params, job))?;
+        if report.materials.is_empty() {
+            bail!("no material could be studied: {}", report.skipped.join("; "));
         }
         let mut slices = Vec::new();
         for file in files.iter().filter(|_| files.len() <= PICTURED) {
@@ -88,7 +78,6 @@ impl Study {
             slices.push(plot_parametrizations(&file.short_name(), file.brdf())?);
         }
         drop(watch);
-        let report = StudyReport::new(env!("CARGO_PKG_VERSION"), materials, skipped, params);
         write_all(&mut folder, &study_files(&report, &slices, &command_line())?)?;
         let place = folder.finish()?;
         show(out, self.json, &report, || {

@@ -47,7 +47,7 @@ pub(in crate::commands) struct Compress {
 
     /// Nodes along α, β, θv and φv [default: 11,11,7,16; 91,91,45,1 for BRDFs]
     #[arg(long, value_name = "A,B,T,P", value_parser = nodes)]
-    grid: Option<Nodes>,
+    grid: Option<[usize; 4]>,
 
     /// Store coarser levels too
     #[arg(long)]
@@ -73,24 +73,17 @@ choices! {
     }
 }
 
-/// Numbers of nodes.
-#[derive(Clone, Copy, Debug)]
-struct Nodes([usize; 4]);
-
-fn nodes(text: &str) -> Result<Nodes, String> {
+fn nodes(text: &str) -> Result<[usize; 4], String> {
     let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
     let nodes = numbers.ok().and_then(|n| <[usize; 4]>::try_from(n).ok());
-    nodes.map(Nodes).ok_or_else(|| "expected four numbers, such as 11,11,7,16".to_owned())
+    nodes.ok_or_else(|| "expected four numbers, such as 11,11,7,16".to_owned())
 }
 
 impl Compress {
     pub(in crate::commands) fn run(self, out: &mut impl Write) -> anyhow::Result<()> {
         let start = Instant::now();
         let settings = self.sizes.settings(self.mode.into())?;
-        let grid = GridChoice {
-            nodes: self.grid.map(|nodes| nodes.0),
-            parametrization: self.parametrization.into(),
-        };
+        let grid = GridChoice { nodes: self.grid, parametrization: self.parametrization.into() };
         let watch = Watch::start();
         let inputs = Inputs::open(&self.inputs, self.memory, &watch)?;
         let textures = inputs.textures(grid, self.mipmaps, &watch)?;

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use brdf_files::{FileError, MappedFile};
-use brdf_param::spherical_direction;
-use btf_io::read_queries;
+use btf_io::{answer_table, read_queries};
 
 use super::loading::ModelArgs;
 use crate::outputs::TableArgs;
@@ -44,24 +43,7 @@ impl Eval {
         }
         let rows = read_queries(&MappedFile::open(&self.queries)?)
             .map_err(FileError::content(&self.queries))?;
-        let mut table = String::from("u,v,theta_i_deg,phi_i_deg,theta_v_deg,phi_v_deg,r,g,b\n");
-        let mut below = 0;
-        for row in &rows {
-            let [u, v, angles @ ..] = *row;
-            let [theta_i, phi_i, theta_v, phi_v] = angles.map(f64::to_radians);
-            let (wi, wo) =
-                (spherical_direction(theta_i, phi_i), spherical_direction(theta_v, phi_v));
-            let is_above = angles[0].abs() < 90.0 && angles[2].abs() <= 90.0;
-            below += usize::from(!is_above);
-            let texel = reader.texel_at(self.level, u, v);
-            let [r, g, b] = if is_above {
-                reader.linear(self.level, texel, &reader.taps(wi, wo))
-            } else {
-                [0.0; 3]
-            };
-            let numbers: Vec<String> = row.iter().map(f64::to_string).collect();
-            table.push_str(&format!("{},{r},{g},{b}\n", numbers.join(",")));
-        }
+        let (table, below) = answer_table(&reader, self.level, &rows);
         self.table.write(&table, out)?;
         if below > 0 {
             writeln!(std::io::stderr(), "{below} rows below the horizon (0)")?;

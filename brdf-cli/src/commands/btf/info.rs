@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use brdf_container::{looks_like_container, open_compressed_btf};
 use brdf_files::MappedFile;
-use brdf_report::bytes;
+use brdf_report::{bytes, facts_text};
 use btf_io::open_btf;
-use serde_json::Value;
+
+use crate::outputs::show;
 
 /// Say what a BTF or a compressed BTF holds
 ///
@@ -32,32 +33,6 @@ impl Info {
         } else {
             serde_json::to_value(open_btf(&self.input)?.info())?
         };
-        if self.json {
-            writeln!(out, "{}", serde_json::to_string_pretty(&facts)?)?;
-            return Ok(());
-        }
-        writeln!(out, "{}", self.input.display())?;
-        for (key, value) in facts.as_object().into_iter().flatten() {
-            match value {
-                Value::Array(items) => {
-                    items.iter().try_for_each(|item| writeln!(out, "  {key}: {}", plain(item)))?;
-                }
-                other => writeln!(out, "  {key}: {}", plain(other))?,
-            }
-        }
-        Ok(())
-    }
-}
-
-/// JSON without quotes and braces.
-fn plain(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Object(fields) => {
-            let parts: Vec<String> =
-                fields.iter().map(|(key, value)| format!("{key} {}", plain(value))).collect();
-            parts.join(", ")
-        }
-        other => other.to_string(),
+        show(out, self.json, &facts, || facts_text(&self.input.to_string_lossy(), &facts))
     }
 }

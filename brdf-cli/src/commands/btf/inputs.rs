@@ -11,6 +11,7 @@ use btf_io::Btf;
 use btf_vq::{BtfSource, GridChoice, Tabulated, TextureInputs};
 
 use super::loading::{MemoryArgs, load, notes};
+use crate::args::stem;
 use crate::progress::Watch;
 
 /// Whether an input names a BRDF, or an archive of them, rather than images.
@@ -87,27 +88,12 @@ impl Inputs {
                 let brdfs = named(files);
                 let (inputs, changes) = watch.run(|job| TextureInputs::brdfs(&brdfs, grid, job))?;
                 for (file, changed) in files.iter().zip(changes) {
-                    if let Some(note) = tabulated(changed) {
-                        writeln!(stderr(), "{}: {note}", file.source)?;
+                    if changed != Tabulated::default() {
+                        writeln!(stderr(), "{}: {changed}", file.source)?;
                     }
                 }
                 Ok(inputs)
             }
         }
     }
-}
-
-fn tabulated(changed: Tabulated) -> Option<String> {
-    match (changed.clamped, changed.without_data) {
-        (0, 0) => None,
-        (clamped, 0) => Some(format!("{clamped} negative nodes set to 0")),
-        (clamped, holes) => {
-            Some(format!("{holes} pairs without data, {clamped} negative nodes set to 0"))
-        }
-    }
-}
-
-/// A name without folders and ending.
-pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

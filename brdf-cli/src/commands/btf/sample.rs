@@ -4,7 +4,8 @@ use std::io::Write;
 
 use anyhow::bail;
 use brdf_param::spherical_direction;
-use btf_vq::{DrawParams, DrawnLight, draw_lights};
+use btf_io::drawn_table;
+use btf_vq::{DrawParams, draw_lights};
 
 use super::loading::ModelArgs;
 use crate::args::numbers;
@@ -58,13 +59,7 @@ impl Sample {
             cosine_included: model.cosine_included(),
         };
         let (drawn, albedo) = draw_lights(&reader, wo, &params);
-        let mut table = String::from("theta_i_deg,phi_i_deg,pdf,r,g,b\n");
-        for DrawnLight { wi, pdf, radiance: [r, g, b] } in drawn {
-            let azimuth = wi.y.atan2(wi.x).to_degrees();
-            let polar = wi.z.clamp(-1.0, 1.0).acos().to_degrees();
-            table.push_str(&format!("{polar},{azimuth},{pdf},{r},{g},{b}\n"));
-        }
-        self.table.write(&table, out)?;
+        self.table.write(&drawn_table(&drawn), out)?;
         let [r, g, b] = albedo;
         writeln!(std::io::stderr(), "albedo {r:.4} {g:.4} {b:.4}")?;
         Ok(())

@@ -7,9 +7,9 @@ use anyhow::bail;
 use brdf_report::{rate_csv, rate_plot, rate_text};
 use btf_vq::{RateMethod, RateSettings, study_rates};
 
-use super::inputs::{is_brdf, stem};
+use super::inputs::is_brdf;
 use super::loading::{MemoryArgs, load, notes};
-use crate::args::positive;
+use crate::args::{positive, stem};
 use crate::outputs::{FolderArgs, show};
 use crate::progress::Watch;
 

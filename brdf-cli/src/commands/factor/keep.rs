@@ -7,7 +7,7 @@ use anyhow::bail;
 use brdf_container::{read_factored, write_factored};
 use brdf_files::{FileError, MappedFile, OutputFolder};
 use brdf_fit::{FactoredModel, KeptReport};
-use brdf_report::{bytes, kept_files, or_dash, significant};
+use brdf_report::{kept_files, kept_text};
 
 use crate::args::usage;
 use crate::outputs::write_all;
@@ -64,25 +64,12 @@ pub(super) fn run(
     let report = serde_json::to_string_pretty(&KeptReport::new(kept, env!("CARGO_PKG_VERSION")))?;
     folder.write("report.json", report.as_bytes())?;
     let place = folder.finish()?;
-    if json {
-        writeln!(out, "{report}")?;
-        return Ok(());
+    match json {
+        true => writeln!(out, "{report}")?,
+        false => {
+            write!(out, "{}", kept_text(kept))?;
+            writeln!(out, "{}", place.join("model.safetensors").display())?;
+        }
     }
-    let textures = kept.model.factors().len();
-    writeln!(
-        out,
-        "{}: {textures} textures, {}",
-        kept.record.input,
-        bytes(kept.model.payload_bytes())
-    )?;
-    if let Some(term) = kept.record.terms.iter().find(|term| term.textures == textures) {
-        writeln!(
-            out,
-            "mean square log error {}, held out {} (as recorded)",
-            significant(term.training.log.mean_square),
-            or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
-        )?;
-    }
-    writeln!(out, "{}", place.join("model.safetensors").display())?;
     Ok(())
 }

@@ -147,14 +147,8 @@ impl Factor {
         let mut folder = self.folder.create()?;
         let material = file.material();
         let watch = Watch::start();
-        let fitted = watch.run(|job| {
-            let deadline = self.search.time_limit().map(|limit| Instant::now() + limit);
-            let job = deadline.map_or_else(
-                || job.split([1.0]),
-                |end| job.split([1.0]).map(|job| job.with_deadline(end)),
-            );
-            fit(&material, &settings, &job[0])
-        });
+        let deadline = self.search.time_limit().map(|limit| Instant::now() + limit);
+        let fitted = watch.run_until(deadline, |job| fit(&material, &settings, job));
         let fitted = fitted.with_context(|| self.input.clone())?;
         if let (Some(inversion), FitSettings::Factored(settings)) = (inversion, &settings) {
             let basis = watch.run(|job| preinvert(&material, settings, inversion, job));

@@ -10,7 +10,7 @@ use brdf_param::{Projection, Space};
 use brdf_search::Objective;
 
 use super::Factor;
-use crate::args::{positive, usage};
+use crate::args::{first_given, positive, usage};
 use crate::choices::{BesideArg, MethodArg, ObjectiveArg, ReciprocityArg, SpaceArg, StrategyArg};
 
 /// How projections are searched.
@@ -57,7 +57,7 @@ impl SearchArgs {
 
     /// The first option that was given, if any.
     pub(super) fn given(&self) -> Option<&'static str> {
-        [
+        first_given(&[
             (self.search.is_some(), "--search"),
             (self.terms.is_some(), "--terms"),
             (self.restarts.is_some(), "--restarts"),
@@ -65,9 +65,7 @@ impl SearchArgs {
             (self.start.is_some(), "--start"),
             (self.beside.is_some(), "--beside"),
             (self.time_limit.is_some(), "--time-limit"),
-        ]
-        .into_iter()
-        .find_map(|(given, name)| given.then_some(name))
+        ])
     }
 }
 

@@ -6,7 +6,7 @@ use brdf_fit::{LogChoice, SeparableMethod, SeparableSettings};
 use brdf_param::Parametrization;
 
 use super::Factor;
-use crate::args::{memory, usage, within};
+use crate::args::{first_given, memory, usage, within};
 use crate::choices::{
     BoundArg, EigenSolverArg, FillArg, LogMapArg, MapArg, MethodArg, ReciprocityArg, WeightArg,
 };
@@ -56,7 +56,7 @@ pub(super) struct SeparableArgs {
 impl SeparableArgs {
     /// The first option that was given, if any.
     pub(super) fn given(&self) -> Option<&'static str> {
-        [
+        first_given(&[
             (self.rank.is_some(), "--rank"),
             (self.map.is_some(), "--map"),
             (self.resolution.is_some(), "--resolution"),
@@ -66,9 +66,7 @@ impl SeparableArgs {
             (self.weight_power.is_some(), "--weight-power"),
             (self.eigen_solver.is_some(), "--eigen-solver"),
             (self.memory_limit.is_some(), "--memory-limit"),
-        ]
-        .into_iter()
-        .find_map(|(given, name)| given.then_some(name))
+        ])
     }
 }
 
@@ -135,7 +133,7 @@ impl Factor {
     /// Refuses what sums of products do not have.
     fn check_separable(&self, settings: &SeparableSettings) -> anyhow::Result<()> {
         let name = self.method.name();
-        let given = [
+        let given = first_given(&[
             (self.texture_size.is_some(), "--texture-size (--resolution is the one)"),
             (self.projections.is_some(), "--projections"),
             (self.samples != 45_000, "--samples"),
@@ -144,8 +142,8 @@ impl Factor {
             (self.weight != WeightArg::Log, "--weight"),
             (self.reciprocal != ReciprocityArg::On, "--reciprocal"),
             (self.replicate.is_some(), "--replicate"),
-        ];
-        if let Some((_, option)) = given.into_iter().find(|(given, _)| *given) {
+        ]);
+        if let Some(option) = given {
             return Err(usage(format!("{option} does not apply to --method {name}")));
         }
         if let Some(option) = self.search.given() {

@@ -10,7 +10,7 @@ use brdf_paint::{
     LearnParams, Mode, PaintLogTransform, PaintParams, PaintRecord, PaintReport, SolverChoice,
     learn,
 };
-use brdf_report::{PaintedView, ResultFile, bytes as shown_bytes, paint_files, significant};
+use brdf_report::{PaintedView, ResultFile, paint_files, painted_text};
 use clap::ValueEnum;
 
 use crate::advice::paint_notes;
@@ -173,18 +173,10 @@ impl Extract {
         write_all(&mut folder, &files)?;
         folder.finish()?;
         drop(watch);
-        if self.json {
-            let json = files.last().map_or(&[][..], |ResultFile { bytes, .. }| bytes);
-            out.write_all(json)?;
-            return Ok(());
+        match files.last() {
+            Some(ResultFile { bytes: json, .. }) if self.json => out.write_all(json)?,
+            _ => write!(out, "{}", painted_text(&to, bytes.len(), &report))?,
         }
-        writeln!(out, "{}: {}", self.folder.output.display(), shown_bytes(bytes.len()))?;
-        let (rms, samples) = (significant(report.rms.train), report.samples);
-        writeln!(out, "  RMS {rms} of {samples} painted pixels")?;
-        if let Some(rms) = report.rms.held_out {
-            writeln!(out, "  RMS {} of pixels that were not used", significant(rms))?;
-        }
-        report.notes.iter().try_for_each(|note| writeln!(out, "  {note}"))?;
         Ok(())
     }
 

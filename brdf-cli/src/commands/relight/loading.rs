@@ -9,7 +9,7 @@ use brdf_mesh::Mesh;
 use brdf_relight::{CubeLight, CubeLightSampler, LightRule, Orbit};
 use brdf_render::Environment;
 
-use crate::args::environment;
+use crate::args::{environment, file_name, numbers};
 
 /// A file of transport.
 pub(super) struct Loaded {
@@ -75,8 +75,7 @@ impl LightArgs {
 
     /// What it is called, without folders.
     pub(super) fn name(&self) -> String {
-        let name = self.env.file_name().unwrap_or(self.env.as_os_str());
-        name.to_string_lossy().into_owned()
+        file_name(&self.env)
     }
 
     /// The turn of the environment, in radians.
@@ -117,18 +116,11 @@ pub(super) struct ShotArgs {
 }
 
 fn view(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|v| v.parse().ok()).collect();
-    match numbers[..] {
-        [azimuth, elevation, radii]
-            if numbers.iter().all(|v| v.is_finite())
-                && (-90.0..=90.0).contains(&elevation)
-                && radii > 1.0 =>
-        {
-            Ok([azimuth, elevation, radii])
-        }
-        _ => {
-            Err("expected azimuth, elevation and a distance above 1, such as 20,15,3.5".to_owned())
-        }
+    let expected = "azimuth, elevation and a distance above 1, such as 20,15,3.5";
+    let [azimuth, elevation, radii] = numbers::<3>(expected)(text)?;
+    match elevation.abs() <= 90.0 && radii > 1.0 {
+        true => Ok([azimuth, elevation, radii]),
+        false => Err(format!("expected {expected}")),
     }
 }
 

@@ -1,7 +1,7 @@
 //! `brdf relight precompute`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use brdf_container::{MaterialFile, PieceError, PieceLog, write_relight};
@@ -14,7 +14,7 @@ use brdf_relight::{
 use brdf_report::bytes as shown_bytes;
 use clap::ValueEnum;
 
-use crate::args::{not_negative, usage, within};
+use crate::args::{file_name, not_negative, usage, within};
 use crate::meshes::open_mesh;
 use crate::outputs::{ForceArgs, show};
 use crate::progress::Watch;
@@ -198,9 +198,4 @@ impl Precompute {
         };
         Ok(PrecomputeParams { codec, quality: self.quality.into() })
     }
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name()
-        .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned())
 }

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use brdf_image::encode_png;
 use brdf_relight::{Turn, TurntableParams, TurntableReport, turntable};
 use brdf_report::sorted_json;
-use clap::ValueEnum;
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
 use crate::args::positive;
@@ -46,12 +45,13 @@ pub(in crate::commands) struct Turntable {
     exposure: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum TurnArg {
-    /// The camera, around the object
-    View,
-    /// The environment
-    Light,
+choices! {
+    enum TurnArg for Turn {
+        /// The camera, around the object
+        View => View,
+        /// The environment
+        Light => Light,
+    }
 }
 
 impl Turntable {
@@ -65,10 +65,7 @@ impl Turntable {
             rule: self.light.rule(),
             orbit: self.shot.orbit(),
             frames: self.frames,
-            turn: match self.turn {
-                TurnArg::View => Turn::View,
-                TurnArg::Light => Turn::Light,
-            },
+            turn: self.turn.into(),
             exposure: self.exposure,
         };
         let mut folder = self.folder.create()?;
