@@ -268,7 +268,7 @@ impl<'a> Shown<'a> {
                 let image = painting.image(at, view, &buffers);
                 unseen.add(at, &view.name, &buffers, &image, 0.1)?;
             }
-            Some(unseen.errors(&turns.material).rms)
+            Some(turns.material.errors(&unseen).rms)
         } else {
             None
         };

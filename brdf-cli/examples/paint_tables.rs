@@ -243,7 +243,7 @@ fn errors(mesh: &Mesh, training: &PaintSamples, held_out: &PaintSamples) -> anyh
         let start = Instant::now();
         let made = extract(training, &params, &Job::new())?;
         let seconds = start.elapsed().as_secs_f64();
-        let PaintErrors { rms, max } = held_out.errors(&made.material);
+        let PaintErrors { rms, max } = made.material.errors(held_out);
         println!(
             "| {name} | {:.4} / {:.3} | {rms:.4} / {max:.3} | {seconds:.1} |",
             made.errors.rms, made.errors.max

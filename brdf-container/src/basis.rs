@@ -6,7 +6,8 @@ use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ContainerError;
-use crate::head::{Head, Kind, library, read_record, serialize, tensor, tensors_of};
+use crate::head::{Head, library, read_record, serialize, tensor, tensors_of};
+use crate::kind::Kind;
 use brdf_io::f64_values;
 
 /// Most samples that a file may ask to be drawn.

@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 use brdf_files::{FileError, MappedFile};
 
 use crate::error::ContainerError;
-use crate::head::{Head, KEY, Kind, VERSION, library, serialize};
+use crate::head::{Head, KEY, VERSION, library, serialize};
+use crate::kind::Kind;
 
 #[derive(Serialize, Deserialize)]
 struct Record<H> {

@@ -5,7 +5,8 @@ use brdf_model::{MerlLookup, MerlTable, SampleSet};
 
 use crate::error::ContainerError;
 use crate::factored::parse_factored;
-use crate::head::{Kind, read_head, tensors_of};
+use crate::head::{read_head, tensors_of};
+use crate::kind::Kind;
 use crate::separable::parse_separable;
 use crate::table::{read_cells, read_samples};
 

@@ -9,7 +9,7 @@ use brdf_param::ParamError;
 use brdf_separable::SeparableError;
 use btf_vq::VqError;
 
-use crate::head::Kind;
+use crate::kind::Kind;
 
 /// A problem with the content of a container, a scene or a list of projections.
 #[derive(Debug, thiserror::Error)]

@@ -8,7 +8,8 @@ use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ContainerError;
-use crate::head::{Head, Kind, library, read_record, serialize, tensor, tensors_of};
+use crate::head::{Head, library, read_record, serialize, tensor, tensors_of};
+use crate::kind::Kind;
 
 #[derive(Serialize, Deserialize)]
 struct Record {

@@ -7,49 +7,10 @@ use safetensors::tensor::{Dtype, TensorView};
 use serde::{Deserialize, Serialize};
 
 use crate::error::ContainerError;
+use crate::kind::Kind;
 
 pub(crate) const KEY: &str = "brdf";
 pub(crate) const VERSION: u32 = 1;
-
-/// What a container holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// A product of textures.
-    Factored,
-    /// A sum of products.
-    Separable,
-    /// Transport of an object.
-    Transport,
-    /// A table on the MERL grid.
-    MerlTable,
-    /// Scattered samples.
-    Samples,
-    /// A BTF in nested codebooks.
-    BtfVq,
-    /// A BTF in local principal components.
-    BtfLpca,
-    /// A painted material.
-    Painted,
-    /// A preinverted matrix.
-    Basis,
-}
-
-impl Kind {
-    /// Returns what it is called in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Factored => "a product of textures",
-            Self::Separable => "a sum of products",
-            Self::Transport => "the transport of an object",
-            Self::MerlTable => "a table on the MERL grid",
-            Self::Samples => "scattered samples",
-            Self::BtfVq | Self::BtfLpca => "a compressed BTF",
-            Self::Painted => "a painted material, which varies over a surface",
-            Self::Basis => "a preinverted matrix",
-        }
-    }
-}
 
 /// The part of the record that every kind has.
 #[derive(Serialize, Deserialize)]

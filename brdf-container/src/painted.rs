@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ContainerError;
 use crate::factored::{read_factors, tensor_shape, texels};
-use crate::head::{Head, Kind, library, read_record, serialize, tensor, tensors_of};
+use crate::head::{Head, library, read_record, serialize, tensor, tensors_of};
+use crate::kind::Kind;
 use brdf_io::f32_values;
 
 /// A painted material and how it came about.

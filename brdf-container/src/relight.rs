@@ -12,7 +12,8 @@ use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ContainerError;
-use crate::head::{Head, Kind, library, read_record, serialize, tensors_of};
+use crate::head::{Head, library, read_record, serialize, tensors_of};
+use crate::kind::Kind;
 use brdf_io::{Cursor, f32_values};
 
 /// Transport and how it was made; arrays lie in the file's bytes where those are aligned.

@@ -7,7 +7,8 @@ use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ContainerError;
-use crate::head::{Head, Kind, library, serialize, tensor};
+use crate::head::{Head, library, serialize, tensor};
+use crate::kind::Kind;
 use brdf_io::f32_values;
 
 #[derive(Serialize, Deserialize)]

@@ -8,7 +8,8 @@ use safetensors::SafeTensors;
 use safetensors::tensor::Dtype;
 
 use crate::error::ContainerError;
-use crate::head::{Head, Kind, library, serialize, tensor};
+use crate::head::{Head, library, serialize, tensor};
+use crate::kind::Kind;
 
 /// Returns the bytes of a table's file.
 ///

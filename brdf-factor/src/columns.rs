@@ -87,6 +87,26 @@ impl Neighbours {
     }
 }
 
+impl Problem {
+    /// Returns the columns of the design matrix that belong to a factor.
+    pub fn columns(&self, factor: &Factor) -> Columns {
+        Columns::new(self, factor)
+    }
+
+    /// Returns the columns of a texture of `size`² texels over a surface.
+    ///
+    /// The samples have these texture coordinates in [0, 1]², in the order in which they were given. The
+    /// first and the last column of the texture are neighbours where u `wraps`.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer places than samples were given, or the size is below 2.
+    pub fn surface_columns(&self, size: usize, places: &[DVec2], wraps: bool) -> Columns {
+        let sorted: Vec<DVec2> = self.origin().iter().map(|at| places[*at]).collect();
+        Columns::of_surface(self, size, &sorted, wraps)
+    }
+}
+
 impl Columns {
     pub(crate) fn new(problem: &Problem, factor: &Factor) -> Self {
         let unknown_of = numbered(factor.mask());

@@ -3,12 +3,11 @@
 //! A value is the sum of the factors' log values, each bilinear between texels, brought back by the
 //! inverse of the log map.
 
-use brdf_model::{Brdf, Channels, DirectionSlices, Rgb, RgbBatch};
+use brdf_model::{Brdf as _, Channels};
 use brdf_param::{Bound, DirectionPair, DiscRadii};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::batch;
 use crate::{ChannelTransform, Coordinate, FactorError, Grid};
 
 /// The description of a factor: everything but its texels.
@@ -325,28 +324,5 @@ impl FactoredBrdf {
                 .map_or(DVec3::Z, |azimuth| (sin_max * azimuth).extend(cos_max))
         };
         DirectionPair::new(pull(pair.wi), pull(pair.wo))
-    }
-}
-
-impl Brdf for FactoredBrdf {
-    fn eval(&self, pair: &DirectionPair) -> Rgb {
-        self.eval_unclamped(pair).map(|v| v.max(0.0))
-    }
-
-    fn eval_unclamped(&self, pair: &DirectionPair) -> Rgb {
-        // Written so that NaN directions are not lit either.
-        if !(pair.wi.z > 0.0 && pair.wo.z > 0.0) {
-            return Rgb::BLACK;
-        }
-        let logs = self.log_values(pair);
-        match &self.maps[..] {
-            [map] => Rgb::splat(map.inverse(logs[0])),
-            [r, g, b] => Rgb::new(r.inverse(logs[0]), g.inverse(logs[1]), b.inverse(logs[2])),
-            _ => Rgb::BLACK,
-        }
-    }
-
-    fn eval_batch(&self, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
-        batch::evaluate(self, pairs, out);
     }
 }

@@ -3,107 +3,12 @@
 use std::sync::Arc;
 
 use brdf_model::{Dropped, SampleSet};
-use brdf_param::Bound;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::{
-    Columns, Factor, FactorError, FactorSpec, FactoredBrdf, LinearSystem, LogTransform, Problem,
-    Solver,
+    Columns, Factor, FactorError, FactorParams, FactorSpec, FactoredBrdf, LinearSystem, Problem,
+    Solver, TermSolve,
 };
-
-/// The weight of a sample: the number that its squared log residual is multiplied by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Weight {
-    /// Weight 1, so that relative errors are made small.
-    #[default]
-    Log,
-    /// Weight f, the mean over channels.
-    F,
-    /// Weight f², which comes close to making linear errors small.
-    F2,
-}
-
-/// The textures that are solved for together when a model has several terms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum TermSolve {
-    /// All textures.
-    #[default]
-    All,
-    /// The last n textures; earlier ones stay as they are in the model of fewer terms. Cole 2002 takes 2.
-    Last(usize),
-}
-
-/// The options of a factorization.
-///
-/// ```
-/// use brdf_factor::{FactorParams, Weight};
-///
-/// let params = FactorParams { texture_size: 16, weight: Weight::F, ..FactorParams::default() };
-/// assert!(params.theta_max < std::f64::consts::FRAC_PI_2);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FactorParams {
-    /// Texels along each side of a texture, within [`crate::Grid::SIZES`].
-    pub texture_size: usize,
-    /// The bound by which the image of the coordinates is fitted into the texture.
-    pub bound: Bound,
-    /// Smoothing μ ≥ 0: the Laplacian of each masked texel is weighted by λ² = μ Σw / (texels of the
-    /// factor). 1e-4 costs nothing measurable; 1e-3 raises the log error by 5–14 %.
-    pub smoothing: f64,
-    /// The logarithm that is fitted.
-    pub log_map: LogTransform,
-    /// The weights of samples.
-    pub weight: Weight,
-    /// The textures that are solved for together, where there are several terms.
-    pub terms: TermSolve,
-    /// Grazing limit in radians, (0, π/2]. Samples beyond it must not be given, and evaluation pulls
-    /// directions back to it.
-    pub theta_max: f64,
-    /// The solver of the linear system; `None` lets [`Solver::for_unknowns`] choose.
-    pub solver: Option<Solver>,
-}
-
-impl Default for FactorParams {
-    fn default() -> Self {
-        Self {
-            texture_size: 32,
-            bound: Bound::Disc,
-            smoothing: 1e-4,
-            log_map: LogTransform::Offset,
-            weight: Weight::Log,
-            terms: TermSolve::All,
-            theta_max: 80_f64.to_radians(),
-            solver: None,
-        }
-    }
-}
-
-impl FactorParams {
-    pub(crate) fn check(&self) -> Result<(), FactorError> {
-        // Written so that NaN is refused.
-        if !(self.smoothing >= 0.0 && self.smoothing.is_finite()) {
-            return Err(FactorError::Option {
-                option: "smoothing",
-                value: self.smoothing,
-                expected: "0 or more",
-            });
-        }
-        if self.terms == TermSolve::Last(0) {
-            return Err(FactorError::Option {
-                option: "the number of terms solved together",
-                value: 0.0,
-                expected: "1 or more",
-            });
-        }
-        Ok(())
-    }
-}
 
 /// A fitted model, with the counts and iterations of its fit.
 #[derive(Clone, Debug, PartialEq)]

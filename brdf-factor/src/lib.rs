@@ -36,13 +36,16 @@ mod batch;
 mod columns;
 mod coordinate;
 mod error;
+mod evaluation;
 mod factored;
 mod factorization;
 mod grid;
+mod iterated;
 mod linear_system;
 mod log_transform;
 mod lsmr;
 mod normal_equations;
+mod params;
 mod preinverted;
 mod problem;
 mod qmr;
@@ -54,16 +57,17 @@ pub use columns::Columns;
 pub use coordinate::{Coordinate, FactorSpec};
 pub use error::FactorError;
 pub use factored::{EvalCounts, Factor, FactorDescription, FactoredBrdf};
-pub use factorization::{FactorParams, Fit, TermSolve, Weight, factorize, factorize_terms};
+pub use factorization::{Fit, factorize, factorize_terms};
 pub use grid::Grid;
 pub use linear_system::LinearSystem;
 pub use log_transform::{ChannelTransform, LogTransform};
 pub use normal_equations::{CholeskyFactor, NormalEquations};
+pub use params::{FactorParams, Solver, TermSolve, Weight};
 pub use preinverted::{
     Damping, Inverse, Inversion, Plan, Preinverted, PreinvertedWorkspace, SpectralBasis,
 };
 pub use problem::Problem;
-pub use solver::{Solution, Solver};
+pub use solver::Solution;
 pub use surface::{SurfaceProduct, SurfaceTexture};
 pub use validation::{CrossValidation, cross_validate};
 

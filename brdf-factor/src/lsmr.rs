@@ -6,7 +6,7 @@ use faer::matrix_free::{BiLinOp, IdentityPrecond, InitialGuessStatus, LinOp};
 use faer::{Mat, MatMut, MatRef, Par};
 
 use crate::LinearSystem;
-use crate::solver::Iterated;
+use crate::iterated::Iterated;
 
 /// Stop where the least-squares gradient has fallen to this share of its start.
 const TOLERANCE: f64 = 1e-14;

@@ -6,7 +6,7 @@
 //! is scaled to 1 beforehand, which keeps the symmetry.
 
 use crate::LinearSystem;
-use crate::solver::Iterated;
+use crate::iterated::Iterated;
 
 /// Stop where ‖Aᵀ(y − A x)‖ has fallen to this share of ‖Aᵀ y‖.
 const TOLERANCE: f64 = 1e-14;

@@ -1,26 +1,9 @@
 //! Three ways to solve min ‖A x − y‖ for several right-hand sides.
 
 use faer::Mat;
-use serde::{Deserialize, Serialize};
 
-use crate::{FactorError, LinearSystem, NormalEquations, lsmr, qmr};
-
-/// A way to solve the least-squares problem.
-///
-/// The solutions of all three agree to 1e-8 in the values that they give for the samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Solver {
-    /// Dense Cholesky factorization of the normal equations: exact and fast up to
-    /// [`Solver::MAX_DENSE`] unknowns.
-    Cholesky,
-    /// LSMR on A itself, matrix-free (Fong and Saunders 2011), for large textures.
-    Lsmr,
-    /// Quasi-minimal residuals on the normal equations (Freund and Nachtigal 1991), the choice of
-    /// McCool, Ang and Ahmad 2001 and of Cole 2002; kept for comparison and for tests.
-    Qmr,
-}
+use crate::iterated::Iterated;
+use crate::{FactorError, LinearSystem, NormalEquations, Solver, lsmr, qmr};
 
 /// The solutions of a system, one for each right-hand side, and the iterations that they took.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,15 +17,6 @@ pub struct Solution {
 }
 
 impl Solver {
-    /// The largest number of unknowns that is factored densely; beyond it the matrix would pass 512 MiB.
-    pub const MAX_DENSE: usize = 8192;
-
-    /// Returns the default solver for a number of unknowns: Cholesky up to [`Solver::MAX_DENSE`], LSMR
-    /// beyond.
-    pub fn for_unknowns(unknowns: usize) -> Self {
-        if unknowns <= Self::MAX_DENSE { Self::Cholesky } else { Self::Lsmr }
-    }
-
     /// Returns the solutions of a system, one for each right-hand side.
     ///
     /// # Errors
@@ -56,13 +30,6 @@ impl Solver {
             Self::Qmr => Ok(iterate(sides, |side| qmr::solve(system, side))),
         }
     }
-}
-
-/// The outcome of an iterative solver for one right-hand side.
-pub(crate) struct Iterated {
-    pub(crate) values: Vec<f64>,
-    pub(crate) iterations: usize,
-    pub(crate) converged: bool,
 }
 
 fn iterate(sides: &[Vec<f64>], mut solve: impl FnMut(&[f64]) -> Iterated) -> Solution {

@@ -11,15 +11,15 @@ use brdf_model::{Channels, PairSampling, SampleSet, largest_albedo, summarize};
 use brdf_param::{Bound, Projection, Space};
 use rayon::prelude::*;
 
+use crate::basis::Basis;
 use crate::error::FitError;
 use crate::material::Material;
 use crate::method::Method;
 use crate::note::FitNote;
-use crate::preinvert::Basis;
 use crate::record::{Albedo, FactoredRecord, FitSettingsRecord, TermRecord};
-use crate::report::SearchReport;
 use crate::search::{Found, SearchSettings};
 use crate::training::Training;
+use crate::tried::SearchReport;
 
 /// Which factors a product has.
 #[derive(Clone, Debug)]

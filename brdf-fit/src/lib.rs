@@ -21,6 +21,7 @@
 //! # Ok::<(), brdf_fit::FitError>(())
 //! ```
 
+mod basis;
 mod compare;
 mod distribution;
 mod error;
@@ -37,7 +38,9 @@ mod search;
 mod separable;
 mod spectrum;
 mod training;
+mod tried;
 
+pub use basis::Basis;
 pub use compare::{Candidate, CompareSettings, Comparison, compare, metric_lights};
 pub use distribution::{Distribution, FolderComparison, MeasureDistribution};
 pub use error::FitError;
@@ -49,14 +52,14 @@ pub use material::Material;
 pub use measures::{Measure, ModelMeasures, PictureMeasures};
 pub use method::{Method, SeparableMap, StrategyKind};
 pub use note::FitNote;
-pub use preinvert::{Basis, preinvert};
+pub use preinvert::preinvert;
 pub use record::{
     Albedo, BasisRecord, FactoredRecord, FitSettingsRecord, RankRecord, SearchSettingsRecord,
     SeparableRecord, SeparableSettingsRecord, TermRecord,
 };
 pub use report::{
     BaselineReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport, SamplesReport,
-    SearchReport, SeparableEvaluation, SeparableReport, SolveReport, Tried,
+    SeparableEvaluation, SeparableReport, SolveReport,
 };
 pub use search::{FixedFactors, SearchSettings, Strategy};
 pub use separable::{
@@ -64,6 +67,7 @@ pub use separable::{
 };
 pub use spectrum::{RankErrors, light_view_spectrum, rank_errors};
 pub use training::HELD_OUT_PAIRS;
+pub use tried::{SearchReport, Tried};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

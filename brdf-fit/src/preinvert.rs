@@ -3,21 +3,13 @@
 use brdf_factor::{Inverse, Inversion, Plan, Preinverted, Problem};
 use brdf_job::Job;
 
+use crate::basis::Basis;
 use crate::error::FitError;
 use crate::factored::FactoredSettings;
 use crate::factored::Reciprocity;
 use crate::material::Material;
 use crate::record::BasisRecord;
 use crate::training::Training;
-
-/// A preinverted matrix and what it was made for.
-#[derive(Clone, Debug)]
-pub struct Basis {
-    /// The matrix.
-    pub inverse: Inverse,
-    /// What it was made for.
-    pub record: BasisRecord,
-}
 
 /// Returns the inverted matrix of a material's samples, for others at the same places.
 ///

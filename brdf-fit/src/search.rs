@@ -14,8 +14,8 @@ use brdf_search::{
 
 use crate::method::StrategyKind;
 use crate::record::SearchSettingsRecord;
-use crate::report::Tried;
 use crate::training::{Choice, SearchSamples};
+use crate::tried::Tried;
 
 /// Texels along each side at which projections are searched; larger textures reuse them.
 const SEARCH_SIZE: usize = 16;

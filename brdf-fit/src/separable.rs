@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use brdf_job::Job;
 use brdf_model::{
-    Channels, MerlNodes, SampleSet, ScrambledSobol, anisotropy, largest_albedo, log_offsets,
-    measure,
+    ANISOTROPIC, Channels, MerlNodes, SampleSet, ScrambledSobol, anisotropy, largest_albedo,
+    log_offsets, measure,
 };
 use brdf_param::Parametrization;
 use brdf_separable::{
@@ -300,9 +300,6 @@ pub fn fit_separable(
 fn smaller_side(layout: &Layout) -> usize {
     layout.first.nodes().len().min(layout.second.nodes().len())
 }
-
-/// What turning a material may change before it is called anisotropic: tables interpolate.
-pub(crate) const ANISOTROPIC: f64 = 0.01;
 /// Asymmetry above this is more than rounding.
 const ROUNDING: f64 = 1e-6;
 

@@ -113,8 +113,10 @@ fn unusable(found: String, expected: &'static str) -> ImageError {
 /// The line at an offset, which moves behind it.
 fn line(bytes: &[u8], at: &mut usize) -> Result<String, ImageError> {
     let rest = &bytes[*at..bytes.len().min(LONGEST_HEADER).max(*at)];
-    let length = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
-        ImageError::PastEnd { offset: *at, what: "the Radiance header", length: bytes.len() }
+    let length = rest.iter().position(|&byte| byte == b'\n').ok_or(ImageError::PastEnd {
+        offset: *at,
+        what: "the Radiance header",
+        length: bytes.len(),
     })?;
     *at += length + 1;
     Ok(String::from_utf8_lossy(&rest[..length]).trim_end().to_owned())
@@ -194,7 +196,7 @@ struct Source<'a> {
 impl Source<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], ImageError> {
         let taken = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<N>());
-        let taken = taken.ok_or_else(|| ImageError::PastEnd {
+        let taken = taken.ok_or(ImageError::PastEnd {
             offset: self.at,
             what: "a line of pixels",
             length: self.bytes.len(),

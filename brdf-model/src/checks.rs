@@ -170,6 +170,9 @@ pub fn summarize(samples: &SampleSet) -> SampleSummary {
 /// Pairs on which [`anisotropy`] is measured.
 const TURNED_PAIRS: u32 = 1_000;
 
+/// The [`anisotropy`] from which a material is called anisotropic: interpolation in tables explains less.
+pub const ANISOTROPIC: f64 = 0.01;
+
 /// Returns a measure of anisotropy, 0 for isotropic materials.
 ///
 /// It is the mean of |f − f′| divided by the mean of f, in luminance, where f′ is the value at the pair

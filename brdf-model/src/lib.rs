@@ -40,6 +40,7 @@ mod large_table;
 mod luminance;
 mod merl;
 mod merl_batch;
+mod merl_lookup;
 mod metrics;
 mod nbrdf;
 mod perceptual;
@@ -59,8 +60,8 @@ pub use analytic::{
 pub use batch::{DirectionBatch, DirectionSlices, RgbBatch};
 pub use brdf::{Brdf, DirectionSampler};
 pub use checks::{
-    Coverage, PhysicalChecks, SampleSummary, anisotropy, check, directional_albedo, largest_albedo,
-    summarize,
+    ANISOTROPIC, Coverage, PhysicalChecks, SampleSummary, anisotropy, check, directional_albedo,
+    largest_albedo, summarize,
 };
 pub use distribution::{
     Distribution1D, LinearDistributions, linear_part, linear_segment, share_of,

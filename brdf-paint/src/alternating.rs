@@ -12,7 +12,7 @@ use faer::MatMut;
 use rayon::prelude::*;
 
 use crate::coefficient_map::{CoefficientMap, nearest, read};
-use crate::extract::{Layout, Part, predicted};
+use crate::layout::{Layout, Part, predicted};
 use crate::least_squares::MapProblem;
 use crate::{PaintError, PaintParams, PaintSamples, paper};
 

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::buffers::ViewBuffers;
 use crate::error::PaintError;
-use crate::extract::{Extraction, PaintParams, extract};
+use crate::extract::{Extraction, extract};
 use crate::material::{Clamped, PaintedMaterial};
-use crate::prepare::JUDGED_SIZE;
+use crate::params::PaintParams;
 use crate::samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
-use crate::truth::GroundTruth;
+use crate::truth::{GroundTruth, JUDGED_SIZE};
 use crate::view::face_views;
 
 /// A picture to learn from, or to judge by.
@@ -111,17 +111,6 @@ pub struct PaintRecord {
     pub uv: UvSource,
 }
 
-/// A record of the material that pictures were rendered with.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct TruthRecord {
-    /// The materials that are blended, as they were given.
-    pub materials: [String; 3],
-    /// Factor by which f π was multiplied.
-    pub scale: f64,
-}
-
 /// Learns a material from pictures and judges it by those that are held out.
 ///
 /// `load` returns a picture by its number, with the buffers of its view.
@@ -166,7 +155,7 @@ pub fn learn<E: From<PaintError>>(
     let extraction = extract(&training, &params.paint, &extracting)?;
     judging.begin("judging", 1);
     let material = &extraction.material;
-    let held_out = (!held_out.is_empty()).then(|| held_out.errors(material));
+    let held_out = (!held_out.is_empty()).then(|| material.errors(&held_out));
     let clamped = material.clamped(&training);
     if clamped.below_zero + clamped.above_limit > 0 {
         notes.push(PaintNote::Clamped { clamped });
@@ -218,7 +207,7 @@ pub fn truth_errors(
         let buffers = ViewBuffers::of(mesh, view, width, height);
         samples.add(at, &view.name, &buffers, &truth.paint(&buffers), least_cosine)?;
     }
-    Ok(samples.errors(material))
+    Ok(material.errors(&samples))
 }
 
 /// Errors on the pixels that were learned from, and on those that were not.

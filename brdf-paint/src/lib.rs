@@ -43,10 +43,12 @@ mod coefficient_map;
 mod contradictions;
 mod error;
 mod extract;
+mod layout;
 mod learn;
 mod least_squares;
 mod material;
 mod paper;
+mod params;
 pub mod pictures;
 mod prepare;
 mod samples;
@@ -57,15 +59,16 @@ pub use buffers::{PixelSurface, ViewBuffers};
 pub use coefficient_map::CoefficientMap;
 pub use contradictions::Contradictions;
 pub use error::PaintError;
-pub use extract::{Extraction, Mode, PaintLogTransform, PaintParams, SolverChoice, extract};
+pub use extract::{Extraction, extract};
 pub use learn::{
-    LearnParams, Learned, PaintNote, PaintRecord, PaintReport, PictureInfo, TrainAndHeldOut,
-    TruthRecord, learn, truth_errors,
+    LearnParams, Learned, PaintNote, PaintRecord, PaintReport, PictureInfo, TrainAndHeldOut, learn,
+    truth_errors,
 };
 pub use material::{Clamped, Component, PaintedMaterial};
+pub use params::{Mode, PaintLogTransform, PaintParams, SolverChoice};
 pub use prepare::{Prepared, PreparedView, SetupReport, prepare};
 pub use samples::{PaintErrors, PaintSamples, PaintedImage, Skipped};
-pub use truth::GroundTruth;
+pub use truth::{GroundTruth, TruthRecord};
 pub use view::{LightSource, PaintView, face_views, spiral_views, vertex_views};
 
 #[cfg(doctest)]

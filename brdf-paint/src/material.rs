@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{CoefficientMap, PaintSamples};
+use crate::{CoefficientMap, PaintErrors, PaintSamples};
 
 /// One summand of a [`PaintedMaterial`].
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +87,11 @@ impl PaintedMaterial {
             .zip(&samples.places)
             .map(|(pair, place)| self.value(pair, *place).channels().map(|v| v as f32))
             .collect()
+    }
+
+    /// Returns how far the material is from samples.
+    pub fn errors(&self, samples: &PaintSamples) -> PaintErrors {
+        samples.errors_of(&self.predict(samples))
     }
 
     /// Returns the bytes of textures and maps as stored, `f32`.

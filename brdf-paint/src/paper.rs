@@ -5,7 +5,7 @@
 use brdf_job::Job;
 
 use crate::coefficient_map::{CoefficientMap, read};
-use crate::extract::{Layout, Part, by_channel};
+use crate::layout::{Layout, Part, by_channel};
 use crate::{PaintError, PaintParams, PaintSamples};
 
 /// Fits a product to what is left, scales it by a map until it is nowhere above a sample of any view, and

@@ -7,14 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::buffers::ViewBuffers;
 use crate::error::PaintError;
-use crate::learn::TruthRecord;
 use crate::pictures::guide;
 use crate::samples::PaintedImage;
-use crate::truth::GroundTruth;
+use crate::truth::{GroundTruth, JUDGED_SIZE, TruthRecord};
 use crate::view::PaintView;
-
-/// Pictures by which rendered scenes are judged, and scaled, are no larger.
-pub(crate) const JUDGED_SIZE: usize = 512;
 
 /// A view, its buffers, and the picture that is painted on.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use brdf_param::DirectionPair;
 use glam::DVec2;
 use serde::Serialize;
 
-use crate::{PaintError, PaintedMaterial, ViewBuffers};
+use crate::{PaintError, ViewBuffers};
 
 /// A picture of a view in linear RGB with coverage.
 #[derive(Clone, Debug, PartialEq)]
@@ -198,16 +198,6 @@ impl PaintSamples {
         self.pairs.is_empty()
     }
 
-    /// Sets values above a limit to it, and returns how many there were.
-    pub fn clip(&mut self, limit: f32) -> usize {
-        let mut clipped = 0;
-        for value in &mut self.values {
-            clipped += usize::from(value.iter().any(|v| *v > limit));
-            *value = value.map(|v| v.min(limit));
-        }
-        clipped
-    }
-
     /// Returns about `count` of the samples, evenly from all; fewer if there are fewer.
     #[must_use]
     pub fn subset(&self, count: usize) -> Self {
@@ -249,11 +239,6 @@ impl PaintSamples {
             set.push_rgb(pair, Rgb::from(value.map(f64::from)));
         }
         set
-    }
-
-    /// Returns how far a material is from the samples.
-    pub fn errors(&self, material: &PaintedMaterial) -> PaintErrors {
-        self.errors_of(&material.predict(self))
     }
 
     /// Returns how far predicted values are from the samples.

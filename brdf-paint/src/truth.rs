@@ -5,10 +5,25 @@ use std::f64::consts::{PI, TAU};
 use brdf_model::{Brdf, Rgb};
 use brdf_render::{SpatiallyVarying, TexturePoint};
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use brdf_param::DirectionPair;
 
 use crate::{PaintedImage, ViewBuffers};
+
+/// Pictures by which rendered scenes are judged, and scaled, are no larger.
+pub(crate) const JUDGED_SIZE: usize = 512;
+
+/// A record of the material that pictures were rendered with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TruthRecord {
+    /// The materials that are blended, as they were given.
+    pub materials: [String; 3],
+    /// Factor by which f π was multiplied.
+    pub scale: f64,
+}
 
 /// A material whose value is known everywhere, to judge by: three BRDFs blended over a surface. A wavy border lies
 /// between the first two, sharp on one half of the surface and soft on the other, and there are round spots of the

@@ -5,8 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use brdf_model::{Brdf, SampleSet};
 use brdf_param::{DirectionPair, HalfDifference, polar_angle};
 
+use crate::error::PlotError;
 use crate::heat::{Field, Heat, HeatScale, plot_heat};
-use crate::plot::{Plot, PlotError};
+use crate::plot::Plot;
 
 /// Bins along each side.
 const BINS: usize = 30;

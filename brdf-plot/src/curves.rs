@@ -4,7 +4,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use crate::colours::{FAINT, INK, series};
-use crate::plot::{Plot, PlotError, drawing, on_sheet};
+use crate::error::{PlotError, drawing};
+use crate::plot::{Plot, on_sheet};
 
 /// The division of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,8 @@ use plotters::prelude::*;
 
 use crate::colours::{INK, NO_DATA, heat};
 use crate::curves::short;
-use crate::plot::{Bitmap, Plot, PlotError, Sheet, drawing, on_sheet};
+use crate::error::{PlotError, drawing};
+use crate::plot::{Bitmap, Plot, Sheet, on_sheet};
 
 /// Values on a grid, row by row from the smallest y; `None` where there is no data.
 #[derive(Clone, Debug, PartialEq)]

@@ -26,6 +26,7 @@
 mod colours;
 mod coverage;
 mod curves;
+mod error;
 mod heat;
 mod lobe;
 mod parametrizations;
@@ -38,10 +39,11 @@ mod textures;
 
 pub use coverage::plot_coverage;
 pub use curves::{Curves, Scale, Series, plot_curves};
+pub use error::PlotError;
 pub use heat::{Contours, Field, Heat, HeatScale, plot_heat};
 pub use lobe::plot_lobes;
 pub use parametrizations::{plot_parametrizations, plot_test_functions};
-pub use plot::{Plot, PlotError};
+pub use plot::Plot;
 pub use polar::plot_polar;
 pub use slices::plot_slices;
 pub use textures::plot_textures;

@@ -9,7 +9,8 @@ use plotters::prelude::*;
 
 use crate::colours::{INK, heat};
 use crate::curves::short;
-use crate::plot::{Plot, PlotError, Sheet, drawing, on_sheet};
+use crate::error::{PlotError, drawing};
+use crate::plot::{Plot, Sheet, on_sheet};
 
 const PANEL: i32 = 560;
 /// Patches of the surface along the polar angle and around.

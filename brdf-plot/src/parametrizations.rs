@@ -5,8 +5,9 @@ use brdf_model::Brdf;
 use brdf_param::Parametrization;
 use brdf_study::{STUDIED, Slice, TestFunction};
 
+use crate::error::PlotError;
 use crate::heat::{Contours, Field, Heat, HeatScale, plot_heat};
-use crate::plot::{Plot, PlotError};
+use crate::plot::Plot;
 
 /// Azimuths of the slices, degrees.
 const AZIMUTHS: [f64; 7] = [0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0];

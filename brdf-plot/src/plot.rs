@@ -7,31 +7,12 @@ use base64::engine::general_purpose::STANDARD;
 use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, IntoDrawingArea as _, SVGBackend};
 
+use crate::error::{PlotError, drawing};
+
 /// A finished plot: an SVG document.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plot {
     svg: String,
-}
-
-/// A problem with a plot: there is nothing to show, or the drawing library refused.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PlotError {
-    /// There is nothing to show.
-    #[error("nothing to plot: {what}")]
-    Nothing {
-        /// Name of the missing part.
-        what: &'static str,
-    },
-    /// Pictures are asked of a build that draws SVG alone.
-    #[error("no PNG in this build: brdf-plot lacks its feature `raster`")]
-    NoRaster,
-    /// The drawing library refused.
-    #[error("drawing: {problem}")]
-    Drawing {
-        /// Message of the library.
-        problem: String,
-    },
 }
 
 impl Plot {
@@ -54,10 +35,6 @@ impl Plot {
         #[cfg(not(feature = "raster"))]
         Err(PlotError::NoRaster)
     }
-}
-
-pub(crate) fn drawing(problem: &dyn std::fmt::Display) -> PlotError {
-    PlotError::Drawing { problem: problem.to_string() }
 }
 
 /// A bitmap under the drawing: pixels become sharp squares.

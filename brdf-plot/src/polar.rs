@@ -8,7 +8,8 @@ use plotters::prelude::*;
 
 use crate::colours::{FAINT, INK, series};
 use crate::curves::short;
-use crate::plot::{Plot, PlotError, drawing, on_sheet};
+use crate::error::{PlotError, drawing};
+use crate::plot::{Plot, on_sheet};
 
 const SIZE: (u32, u32) = (1120, 600);
 /// Half the range of x, so that a unit is as long as one of y.

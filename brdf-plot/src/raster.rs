@@ -6,7 +6,7 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
 use crate::PlotError;
-use crate::plot::drawing;
+use crate::error::drawing;
 
 /// Pixels for one unit of the SVG.
 const SCALE: f32 = 2.0;

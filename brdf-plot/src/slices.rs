@@ -4,8 +4,9 @@ use brdf_model::Brdf;
 use brdf_param::Parametrization;
 use brdf_study::Slice;
 
+use crate::error::PlotError;
 use crate::heat::{Field, Heat, HeatScale, plot_heat};
-use crate::plot::{Plot, PlotError};
+use crate::plot::Plot;
 
 /// Cells of a slice along a side.
 const SIZE: usize = 90;

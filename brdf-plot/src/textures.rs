@@ -4,7 +4,8 @@ use brdf_image::DisplayImage;
 use plotters::prelude::*;
 
 use crate::colours::INK;
-use crate::plot::{Bitmap, Plot, PlotError, drawing, on_sheet};
+use crate::error::{PlotError, drawing};
+use crate::plot::{Bitmap, Plot, on_sheet};
 
 const SIDE: i32 = 160;
 const GAP: i32 = 14;

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
+use crate::chunk::Chunk;
 use crate::coefficients::Coding;
 use crate::error::RelightError;
 use crate::light::LitCoefficients;
-use crate::precompute::Chunk;
 use crate::store::SparseTransport;
 
 /// Transport in which each vertex is a weighted sum of the components of its cluster. Borrowed arrays may lie in a

@@ -3,21 +3,11 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par, Side};
 
+use crate::chunk::{Chunk, Entries, SparseVectors};
 use crate::coefficients::Coding;
 use crate::cube::TEXELS;
 use crate::error::RelightError;
 use crate::maps::Terms;
-use crate::precompute::Chunk;
-use crate::transport::SparseVectors;
-
-/// The larger coefficients of one vertex, all terms together.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Entries {
-    /// Coefficient times number of terms, and term; ascending.
-    pub(crate) columns: Vec<u32>,
-    /// `[column][channel]`, times the weight of the term.
-    pub(crate) values: Vec<f32>,
-}
 
 /// The components of so many vertices, of which numbers that hold an energy below `least` are left out, and then
 /// components that hold less than their numbers and weights cost at that price.

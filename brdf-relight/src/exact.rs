@@ -7,6 +7,7 @@ use brdf_param::DirectionPair;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::chunk::SparseVectors;
 use crate::coefficients::Coding;
 use crate::cube::TEXELS;
 use crate::error::RelightError;
@@ -15,13 +16,35 @@ use crate::light::CubeLight;
 use crate::maps::BrdfMaps;
 use crate::ray_packet::Occluder;
 use crate::scene::Part;
-use crate::store::{SparseTransport, Transport};
+use crate::store::SparseTransport;
+use crate::stored::Transport;
 use crate::surface::diagonal;
-use crate::transport::{CubeDirections, SparseVectors, TransportWorkspace};
+use crate::transport::{CubeDirections, TransportWorkspace};
 use crate::visibility::Quality;
 
 /// Cosines that vertices are seen at: those that look away are clamped here, where view maps end.
 const LEAST_COSINE: f64 = 0.02;
+
+/// What [`exact_part`] computes: the object, its material, the light and the viewer.
+#[derive(Clone, Copy)]
+pub struct ExactParams<'a> {
+    /// The object, for the size of its details.
+    pub mesh: &'a Mesh,
+    /// What blocks light.
+    pub occluder: &'a Occluder,
+    /// The exact BRDF, or `None` for the maps of the part.
+    pub brdf: Option<&'a dyn Brdf>,
+    /// The light, all of it.
+    pub light: &'a CubeLight,
+    /// Where the viewer stands.
+    pub eye: DVec3,
+}
+
+impl std::fmt::Debug for ExactParams<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ExactParams").field("eye", &self.eye).finish_non_exhaustive()
+    }
+}
 
 /// Computes by brute force the light that each vertex of a part reflects to a viewer, as a part that can be
 /// rendered.
@@ -40,13 +63,10 @@ const LEAST_COSINE: f64 = 0.02;
 /// [`RelightError::Stopped`].
 pub fn exact_part(
     part: &Part<'_>,
-    mesh: &Mesh,
-    occluder: &Occluder,
-    brdf: Option<&dyn Brdf>,
-    light: &CubeLight,
-    eye: DVec3,
+    params: &ExactParams<'_>,
     job: &Job<'_>,
 ) -> Result<(Part<'static>, Vec<[f32; 3]>), RelightError> {
+    let ExactParams { mesh, occluder, brdf, light, eye } = *params;
     let sky = CubeDirections::default();
     let maps = &part.maps;
     let shading_points = part.surface.shading_points(diagonal(mesh.positions()));

@@ -42,6 +42,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod chunk;
 mod clustered;
 mod coefficients;
 mod compare;
@@ -63,32 +64,37 @@ mod ray_packet;
 mod scene;
 mod speed;
 mod store;
+mod stored;
 mod surface;
 mod sweep;
 mod transport;
 mod turntable;
 mod visibility;
 
+pub use chunk::{Chunk, SparseVectors};
 pub use clustered::ClusteredTransport;
 pub use coefficients::{Coding, Selection};
 pub use compare::{CompareParams, ErrorBreakdown, compare};
 pub use error::RelightError;
-pub use exact::exact_part;
+pub use exact::{ExactParams, exact_part};
 pub use factor::{LightMaps, MapParams, factor_for_relighting};
 pub use frame::tangent_frame;
 pub use light::{CubeLight, CubeLightSampler, LightRule, LitCoefficients};
 pub use maps::{BrdfMaps, MapStack};
-pub use object::{ObjectParams, ObjectPrecomputation, PrecomputeReport, RelightRecord};
+pub use object::{
+    ObjectParams, ObjectPrecomputation, PrecomputeReport, PrecomputeRun, RelightRecord,
+};
 pub use orbit::Orbit;
-pub use precompute::{Chunk, Codec, Precomputation, PrecomputeParams};
+pub use precompute::{Codec, Precomputation, PrecomputeParams};
 pub use raster::{RenderParams, render};
 pub use ray_packet::{Occluder, TILE, Tile};
 pub use scene::{Part, RelitScene};
 pub use speed::{Speed, SpeedParams, SpeedReport, measure_speed};
-pub use store::{Codes, SparseTransport, Transport, VERTEX_BLOCK};
-pub use surface::Surface;
-pub use sweep::{Sweep, SweepReport, SweptNumbers, Vary, sweep};
-pub use transport::{CubeDirections, ShadingPoint, SparseVectors, TransportWorkspace};
+pub use store::{Codes, SparseTransport, VERTEX_BLOCK};
+pub use stored::Transport;
+pub use surface::{ShadingPoint, Surface};
+pub use sweep::{Sweep, SweepParams, SweepReport, SweptNumbers, Vary, sweep};
+pub use transport::{CubeDirections, TransportWorkspace};
 pub use turntable::{Turn, TurntableParams, TurntableReport, turntable};
 pub use visibility::{Quality, Visibility};
 

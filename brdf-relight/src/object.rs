@@ -8,13 +8,14 @@ use hmac_sha256::Hash;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::chunk::Chunk;
 use crate::error::RelightError;
 use crate::factor::{MapParams, factor_for_relighting};
 use crate::maps::BrdfMaps;
-use crate::precompute::{Chunk, Codec, Precomputation, PrecomputeParams};
+use crate::precompute::{Codec, Precomputation, PrecomputeParams};
 use crate::ray_packet::Occluder;
 use crate::scene::Part;
-use crate::store::Transport;
+use crate::stored::Transport;
 use crate::surface::Surface;
 
 /// What the ground reflects.
@@ -74,16 +75,21 @@ pub struct PrecomputeReport {
     pub made: RelightRecord,
 }
 
+/// What is known of a run once its file is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrecomputeRun {
+    /// Vertices that an interrupted run had made.
+    pub resumed: usize,
+    /// Bytes of the file.
+    pub bytes: usize,
+    /// Time it took, s.
+    pub seconds: f64,
+}
+
 impl PrecomputeReport {
-    /// Returns the report of parts that were written to a file of so many bytes.
-    pub fn new(
-        output: &str,
-        parts: &[Part<'_>],
-        resumed: usize,
-        bytes: usize,
-        seconds: f64,
-        made: RelightRecord,
-    ) -> Self {
+    /// Returns the report of parts that were written to a file.
+    pub fn new(output: &str, parts: &[Part<'_>], made: RelightRecord, run: PrecomputeRun) -> Self {
+        let PrecomputeRun { resumed, bytes, seconds } = run;
         let sum = |count: fn(&Part<'_>) -> usize| parts.iter().map(count).sum();
         Self {
             output: output.to_owned(),

@@ -4,6 +4,7 @@ use brdf_mesh::Mesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::chunk::Chunk;
 use crate::clustered::ClusteredTransport;
 use crate::coefficients::Coding;
 use crate::components::components;
@@ -12,11 +13,10 @@ use crate::grouping::clusters;
 use crate::maps::{BrdfMaps, Terms};
 use crate::ray_packet::Occluder;
 use crate::scene::Part;
-use crate::store::{SparseTransport, Transport};
-use crate::surface::{Surface, diagonal};
-use crate::transport::{
-    CubeDirections, ShadingPoint, SparseVectors, TransportWorkspace, open_energy,
-};
+use crate::store::SparseTransport;
+use crate::stored::Transport;
+use crate::surface::{ShadingPoint, Surface, diagonal};
+use crate::transport::{CubeDirections, TransportWorkspace, open_energy};
 use crate::visibility::Quality;
 
 /// The form in which transport is stored.
@@ -86,15 +86,6 @@ pub struct Precomputation {
 const CHUNK: usize = 256;
 /// Coefficients of vertices that hold less than this share of what a component's have to are not looked at.
 const GATHERED: f64 = 1.0 / 16.0;
-
-/// The transport of one chunk of vertices, before it is assembled.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Chunk {
-    /// Vectors, one for each vertex of the chunk, or for each component of the cluster.
-    pub vectors: Vec<SparseVectors>,
-    /// `[vertex][component]`, 32767 for 1; none without clusters.
-    pub weights: Vec<i16>,
-}
 
 impl Precomputation {
     /// Returns a plan for the transport of a surface's vertices, on or beneath a mesh.

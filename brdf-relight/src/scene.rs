@@ -7,7 +7,7 @@ use crate::coefficients::Coding;
 use crate::error::RelightError;
 use crate::light::LitCoefficients;
 use crate::maps::BrdfMaps;
-use crate::store::Transport;
+use crate::stored::Transport;
 use crate::surface::Surface;
 
 /// A surface with its precomputed transport.

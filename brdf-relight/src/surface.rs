@@ -3,7 +3,14 @@
 use brdf_mesh::Mesh;
 use glam::DVec3;
 
-use crate::transport::ShadingPoint;
+/// The point from which a vertex looks at the sky, and its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadingPoint {
+    /// The point, a little above the surface.
+    pub position: DVec3,
+    /// Unit normal.
+    pub normal: DVec3,
+}
 
 /// Triangles with a unit normal at each corner.
 #[derive(Clone, Debug, Default, PartialEq)]

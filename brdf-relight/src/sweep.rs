@@ -7,12 +7,12 @@ use brdf_model::Brdf;
 use serde::Serialize;
 
 use crate::error::RelightError;
-use crate::exact::exact_part;
+use crate::exact::{ExactParams, exact_part};
 use crate::light::{CubeLight, LightRule};
 use crate::raster::{RenderParams, render};
 use crate::ray_packet::Occluder;
 use crate::scene::{Part, RelitScene};
-use crate::store::Transport;
+use crate::stored::Transport;
 
 /// The quantity that [`sweep`] varies. Terms and coefficients are taken from the object's own, largest first.
 #[derive(Clone, Copy)]
@@ -93,6 +93,23 @@ pub struct SweepReport {
     pub relative_rms: Vec<f64>,
 }
 
+/// What [`sweep`] shows, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct SweepParams<'a> {
+    /// The object, for rays.
+    pub mesh: &'a Mesh,
+    /// What varies.
+    pub vary: Vary<'a>,
+    /// Its numbers.
+    pub values: &'a [usize],
+    /// The light; brute force takes all of it.
+    pub light: &'a CubeLight,
+    /// Which of its coefficients are used.
+    pub rule: LightRule,
+    /// The picture that is taken.
+    pub picture: RenderParams,
+}
+
 /// Renders pictures with each of several numbers of terms or coefficients, and one by brute force.
 ///
 /// # Errors
@@ -101,16 +118,13 @@ pub struct SweepReport {
 /// coefficients of an object that has components of clusters; [`RelightError::Stopped`].
 pub fn sweep(
     parts: &[Part<'_>],
-    mesh: &Mesh,
-    vary: Vary<'_>,
-    values: &[usize],
-    light: (&CubeLight, LightRule),
-    picture: &RenderParams,
+    params: &SweepParams<'_>,
     job: &Job<'_>,
 ) -> Result<Sweep, RelightError> {
+    let SweepParams { vary, values, .. } = *params;
     let [pictures, brute_force] = job.split([0.1, 1.0]);
     pictures.begin("pictures", values.len() as u64);
-    let lit = light.0.coefficients(light.1);
+    let lit = params.light.coefficients(params.rule);
     let films = values.iter().map(|value| {
         pictures.check()?;
         let (mut relit, parts) = (RelitScene::default(), cut(parts, vary, *value)?);
@@ -119,14 +133,14 @@ pub fn sweep(
             keep_terms(&parts[0], &mut relit.parts[0], *value);
         }
         pictures.advance(1);
-        Ok(render(&parts, &relit, picture).0)
+        Ok(render(&parts, &relit, &params.picture).0)
     });
     let films = films.collect::<Result<Vec<Film>, RelightError>>()?;
     let brdf = match vary {
         Vary::Terms(brdf) => Some(brdf),
         Vary::Coefficients => None,
     };
-    let exact = by_brute_force(parts, mesh, brdf, light.0, picture, &brute_force)?;
+    let exact = by_brute_force(parts, brdf, params, &brute_force)?;
     let relative_rms = films.iter().map(|film| relative_rms(film, &exact)).collect();
     Ok(Sweep { films, exact, relative_rms })
 }
@@ -158,12 +172,11 @@ fn cut<'a>(
 /// The picture of the exact BRDF, or of the object's own terms where there is none, at vertices.
 fn by_brute_force(
     parts: &[Part<'_>],
-    mesh: &Mesh,
     brdf: Option<&dyn Brdf>,
-    light: &CubeLight,
-    picture: &RenderParams,
+    params: &SweepParams<'_>,
     job: &Job<'_>,
 ) -> Result<Film, RelightError> {
+    let SweepParams { mesh, light, picture, .. } = params;
     let occluder = Occluder::of(mesh);
     let mut relit = RelitScene::default();
     let weights: Vec<f64> = parts.iter().map(|part| part.surface.positions.len() as f64).collect();
@@ -171,8 +184,9 @@ fn by_brute_force(
     let parts = parts.iter().zip(&jobs).enumerate().map(|(index, (part, job))| {
         // The ground's own map is exact.
         let brdf = brdf.filter(|_| index == 0);
-        let (part, colours) =
-            exact_part(part, mesh, &occluder, brdf, light, picture.camera.eye, job)?;
+        let eye = picture.camera.eye;
+        let exact = ExactParams { mesh, occluder: &occluder, brdf, light, eye };
+        let (part, colours) = exact_part(part, &exact, job)?;
         relit.parts.push(colours);
         Ok(part)
     });

@@ -2,36 +2,15 @@
 
 use glam::{DVec3, Mat3, Vec3};
 
+use crate::chunk::{Entries, SparseVectors};
 use crate::coefficients::{Coding, Selection, magnitudes};
-use crate::components::Entries;
 use crate::cube::{FACE_TEXELS, TEXELS, direction, solid_angle};
 use crate::frame::tangent_frame;
 use crate::haar;
 use crate::maps::{BrdfMaps, MapStack, Terms};
 use crate::ray_packet::Occluder;
+use crate::surface::ShadingPoint;
 use crate::visibility::{Quality, Visibility};
-
-/// The point from which a vertex looks at the sky, and its normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShadingPoint {
-    /// The point, a little above the surface.
-    pub position: DVec3,
-    /// Unit normal.
-    pub normal: DVec3,
-}
-
-/// Kept coefficients of one vertex, or of one component of a cluster, term after term.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SparseVectors {
-    /// Largest magnitude of any channel, for each term.
-    pub largest: Vec<f32>,
-    /// Number of coefficients that each term keeps.
-    pub counts: Vec<u16>,
-    /// Places of the coefficients, ascending, term after term.
-    pub places: Vec<u16>,
-    /// Codes of the coefficients' values.
-    pub codes: Vec<u32>,
-}
 
 impl SparseVectors {
     /// Adds a term of which no channel is above `largest`; what rounds to 0 is left out.

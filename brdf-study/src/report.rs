@@ -3,7 +3,7 @@
 use std::fmt;
 
 use brdf_job::{Job, Stopped};
-use brdf_model::{Brdf, anisotropy};
+use brdf_model::{ANISOTROPIC, Brdf, anisotropy};
 use brdf_param::Parametrization;
 use brdf_separable::SeparableError;
 use serde::Serialize;
@@ -106,9 +106,6 @@ pub struct GlossGroup {
     /// Number of materials for which each parametrization is best.
     pub wins: Vec<Wins>,
 }
-
-/// What rotating a material by a quarter may change before it is called anisotropic: tables interpolate.
-const ANISOTROPIC: f64 = 0.01;
 
 /// A figure of a row, smaller is better.
 struct Figure {

@@ -1,11 +1,10 @@
 //! One image of a BTF: recognized by its first bytes and decoded to three channels.
 
-use brdf_image::{
-    ImageError, StoredImage, check_claim, decode_hdr, decode_stored, hdr_size, stored_size,
-};
+use brdf_image::{StoredImage, check_claim, decode_hdr, decode_stored, hdr_size, stored_size};
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 
+use crate::error::image_error;
 use crate::exr_picture::{exr_size, read_exr};
 use crate::linear::halves;
 use brdf_io::FormatError;
@@ -127,20 +126,6 @@ fn fill(out: &mut [u8], values: &[u8]) -> Result<(), FormatError> {
 /// Decoders make room for what a header claims, so the claim is held against the file first.
 fn check_size(bytes: &[u8], size: [usize; 2]) -> Result<(), FormatError> {
     check_claim(bytes.len(), size).map_err(image_error("image"))
-}
-
-/// What a decoder of pictures says, as a problem of the file.
-pub(crate) fn image_error(what: &'static str) -> impl Fn(ImageError) -> FormatError {
-    move |error| match error {
-        ImageError::Coder { what, problem } => FormatError::Library { what, problem },
-        ImageError::Claim { found, expected } => {
-            FormatError::Size { found, expected, hint: " or more for the size its header claims" }
-        }
-        ImageError::PastEnd { offset, what, length } => {
-            FormatError::PastEnd { offset: offset as u64, what: what.to_owned(), length }
-        }
-        other => FormatError::Library { what, problem: other.to_string() },
-    }
 }
 
 /// Three bytes for each texel.

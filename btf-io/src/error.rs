@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use brdf_image::ImageError;
 use brdf_io::FormatError;
 
 /// A problem with the images of a bidirectional texture function; they are named within their folder or archive.
@@ -156,4 +157,18 @@ pub enum BtfError {
 /// What an image holds, for a message.
 fn range(linear: bool) -> &'static str {
     if linear { "linear values" } else { "display-referred 8-bit values" }
+}
+
+/// What a decoder of pictures says, as a problem of the file.
+pub(crate) fn image_error(what: &'static str) -> impl Fn(ImageError) -> FormatError {
+    move |error| match error {
+        ImageError::Coder { what, problem } => FormatError::Library { what, problem },
+        ImageError::Claim { found, expected } => {
+            FormatError::Size { found, expected, hint: " or more for the size its header claims" }
+        }
+        ImageError::PastEnd { offset, what, length } => {
+            FormatError::PastEnd { offset: offset as u64, what: what.to_owned(), length }
+        }
+        other => FormatError::Library { what, problem: other.to_string() },
+    }
 }

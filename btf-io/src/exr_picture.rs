@@ -3,7 +3,7 @@
 use brdf_image::{ExrLayer, read_exr_layer};
 use exr::prelude::FlatSamples;
 
-use crate::decode::image_error;
+use crate::error::image_error;
 use crate::linear::xyz_to_rgb;
 use brdf_io::FormatError;
 

@@ -8,7 +8,7 @@ use brdf_io::FormatError;
 use brdf_model::srgb_to_linear;
 use btf_synth::Map;
 
-use crate::decode::image_error;
+use crate::error::image_error;
 
 /// Reads the channels of an image as they are stored, scaled to [0, 1]: one of a grey image, three of a coloured
 /// one. Opacity is left out.

@@ -45,7 +45,7 @@ pub enum VqError {
     },
     /// The source could not be read.
     #[error("{0}")]
-    Source(#[source] crate::SourceError),
+    Source(#[source] SourceError),
     /// A model that no budget of this size can hold.
     #[error("{bytes} bytes are too few for {what}; the least is {least}")]
     Budget {
@@ -118,3 +118,6 @@ pub enum VqError {
     #[error(transparent)]
     Stopped(#[from] brdf_job::Stopped),
 }
+
+/// The reason why a source could not be read.
+pub type SourceError = Box<dyn std::error::Error + Send + Sync>;

@@ -7,13 +7,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::TEXEL_BLOCK;
 use crate::brdfs::{RadianceBrdf, tabulate};
 use crate::colour::from_luma_chroma;
 use crate::decode::Taps;
 use crate::error::VqError;
 use crate::grid::AngularGrid;
 use crate::reader::{BtfModel, BtfReader};
-use crate::resample::{Resampler, TEXEL_BLOCK};
+use crate::resample::Resampler;
 use crate::source::{BtfSource, Encoding};
 use crate::texels::NodeTable;
 

@@ -76,7 +76,7 @@ pub use compress::{
 };
 pub use decode::{Decoder, Taps};
 pub use draws::{DrawParams, DrawnLight, draw_lights};
-pub use error::VqError;
+pub use error::{SourceError, VqError};
 pub use fidelity::{
     BrdfFidelity, Fidelity, compare_brdfs, compare_texture, image_taps, resampling_floor,
 };
@@ -92,9 +92,9 @@ pub use quantize::{Quantizer, Spacing};
 pub use rate_study::{RateMethod, RateRow, RateSettings, study_rates};
 pub use reader::{BtfModel, BtfReader};
 pub use refined::{CodebookSizes, Encoded, LevelErrors, encode_refined};
-pub use resample::{Resampler, TEXEL_BLOCK};
+pub use resample::Resampler;
 pub use sample::{LightQuery, LightSampler, SampledLight};
-pub use source::{BtfLayout, BtfSource, BtfView, Encoding, SourceError};
+pub use source::{BtfLayout, BtfSource, BtfView, Encoding, TEXEL_BLOCK};
 pub use texels::{NodeTable, TexelSet};
 pub use textured::TexturedBtf;
 

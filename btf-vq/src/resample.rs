@@ -10,12 +10,11 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::TEXEL_BLOCK;
 use crate::colour::{to_ycbcr, to_yuv};
 use crate::rbf::DirectionRbf;
 use crate::{AngularGrid, BtfLayout, BtfSource, Encoding, Taps, VqError};
 
-/// Number of texels that go through the matrices together, as 192 columns; also the block of the sources' stores.
-pub const TEXEL_BLOCK: usize = 64;
 /// Directions closer than this, as a distance of unit vectors, are one: 0.01°, since file names give
 /// whole or tenths of degrees.
 const SAME_DIRECTION: f64 = 1.8e-4;

@@ -5,7 +5,10 @@ use std::ops::Range;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::TEXEL_BLOCK;
+use crate::SourceError;
+
+/// Number of texels that go through the matrices together, as 192 columns; also the block of the sources' stores.
+pub const TEXEL_BLOCK: usize = 64;
 
 /// The meaning of the numbers of a BTF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,9 +66,6 @@ impl BtfLayout {
     }
 }
 
-/// The reason why a source could not be read.
-pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
-
 /// A BTF that can be read block by block of texels: the seam between files, or formulas, and this crate.
 pub trait BtfSource: Sync {
     /// Returns size and directions.
@@ -84,6 +84,8 @@ pub trait BtfSource: Sync {
     fn read_texels(&self, texels: Range<usize>, out: &mut [f32]) -> Result<(), SourceError>;
 
     /// Writes a whole image into `out[texel][rgb]`. Sources that keep images together do this faster than by blocks.
+    ///
+    /// By itself it reads all images of each block of texels; sources that hold images should do better.
     ///
     /// # Errors
     ///

@@ -7,9 +7,9 @@ use brdf_mesh::{Camera, Mesh, Soup};
 use brdf_model::{Analytic, Brdf, Fresnel, Ggx, Rgb};
 use brdf_param::DirectionPair;
 use brdf_relight::{
-    BrdfMaps, Codec, CubeLight, CubeLightSampler, LightMaps, LightRule, MapParams, Occluder, Part,
-    Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface, exact_part,
-    factor_for_relighting, render,
+    BrdfMaps, Codec, CubeLight, CubeLightSampler, ExactParams, LightMaps, LightRule, MapParams,
+    Occluder, Part, Precomputation, PrecomputeParams, Quality, RelitScene, RenderParams, Surface,
+    exact_part, factor_for_relighting, render,
 };
 use brdf_render::Environment;
 use glam::DVec3;
@@ -120,8 +120,8 @@ fn a_relit_torus_is_what_mitsuba_renders() {
         .iter()
         .zip(brdfs)
         .map(|(part, brdf)| {
-            let (part, colours) =
-                exact_part(part, &mesh, &occluder, brdf, &light, eye, &Job::new()).unwrap();
+            let params = ExactParams { mesh: &mesh, occluder: &occluder, brdf, light: &light, eye };
+            let (part, colours) = exact_part(part, &params, &Job::new()).unwrap();
             exact.parts.push(colours);
             part
         })

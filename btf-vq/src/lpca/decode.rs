@@ -1,6 +1,7 @@
 //! Random access to texels.
 
-use super::LpcaHeader;
+use super::{LpcaHeader, LpcaModel};
+use crate::codebooks::level_size;
 use crate::colour::from_luma_chroma;
 use crate::{AngularGrid, Encoding, Taps};
 
@@ -10,6 +11,21 @@ pub struct LpcaDecoder<'a> {
     header: &'a LpcaHeader,
     basis: &'a [u8],
     levels: Vec<(usize, usize, &'a [u8])>,
+}
+
+impl LpcaModel {
+    /// Returns a reader of one of the textures, or `None` if there are fewer.
+    pub fn decoder(&self, material: usize) -> Option<LpcaDecoder<'_>> {
+        let texture = self.header().materials.get(material)?;
+        let first = 1 + self.header().materials[..material].iter().map(|m| m.levels).sum::<usize>();
+        let levels = (0..texture.levels)
+            .map(|level| {
+                let (width, height) = level_size(texture.width, texture.height, level);
+                (width, height, self.stream(first + level))
+            })
+            .collect();
+        Some(LpcaDecoder::new(self.header(), self.stream(0), levels))
+    }
 }
 
 /// Most vectors of a space, the mean counted.

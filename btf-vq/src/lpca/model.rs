@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::{LocalPca, LpcaDecoder};
-use crate::codebooks::level_size;
+use super::LocalPca;
 use crate::projected_texels::ProjectedTexels;
 use crate::{AngularGrid, Encoding, SharedBytes, TextureInfo, VqError};
 
@@ -239,18 +238,5 @@ impl LpcaModel {
     pub fn stream(&self, at: usize) -> &[u8] {
         let bytes: &[u8] = (*self.bytes).as_ref();
         self.ranges.get(at).and_then(|range| bytes.get(range.clone())).unwrap_or_default()
-    }
-
-    /// Returns a reader of one of the textures, or `None` if there are fewer.
-    pub fn decoder(&self, material: usize) -> Option<LpcaDecoder<'_>> {
-        let texture = self.header.materials.get(material)?;
-        let first = 1 + self.header.materials[..material].iter().map(|m| m.levels).sum::<usize>();
-        let levels = (0..texture.levels)
-            .map(|level| {
-                let (width, height) = level_size(texture.width, texture.height, level);
-                (width, height, self.stream(first + level))
-            })
-            .collect();
-        Some(LpcaDecoder::new(&self.header, self.stream(0), levels))
     }
 }

@@ -9,7 +9,7 @@ use brdf_files::{check_overwrite, write_atomically};
 use brdf_io::ReadOptions;
 use brdf_relight::{
     Codec, LightMaps, MapParams, ObjectParams, ObjectPrecomputation, PrecomputeParams,
-    PrecomputeReport, Quality, RelightRecord,
+    PrecomputeReport, PrecomputeRun, Quality, RelightRecord,
 };
 use brdf_report::bytes as shown_bytes;
 use clap::ValueEnum;
@@ -151,8 +151,8 @@ impl Precompute {
         drop(watch);
         let output = self.output.to_string_lossy();
         let seconds = start.elapsed().as_secs_f64();
-        let report =
-            PrecomputeReport::new(&output, &parts, log.resumed(), bytes.len(), seconds, record);
+        let run = PrecomputeRun { resumed: log.resumed(), bytes: bytes.len(), seconds };
+        let report = PrecomputeReport::new(&output, &parts, record, run);
         log.remove()?;
         show(out, self.json, &report, || {
             let (size, vertices) = (shown_bytes(report.bytes), report.vertices);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use brdf_container::MaterialFile;
 use brdf_image::ToneMap;
 use brdf_io::ReadOptions;
-use brdf_relight::{RelightError, SweepReport, SweptNumbers, Vary, sweep};
+use brdf_relight::{RelightError, SweepParams, SweepReport, SweptNumbers, Vary, sweep};
 use brdf_report::{sweep_captions, sweep_files};
 
 use super::loading::{LightArgs, Loaded, ShotArgs, mesh_of};
@@ -64,16 +64,17 @@ impl Sweep {
         let file = loaded.parse()?;
         let subject = MaterialFile::open(&self.brdf, &ReadOptions::default())?;
         let mesh = mesh_of(&file)?;
-        let (light, shot) = (self.light.light()?, self.shot.orbit().render_params(&mesh, 0.0));
+        let (light, picture) = (self.light.light()?, self.shot.orbit().render_params(&mesh, 0.0));
         let mut folder = self.folder.create()?;
         let (vary, numbers) = match self.terms.is_empty() {
             false => (Vary::Terms(subject.brdf()), SweptNumbers::Terms(self.terms)),
             true => (Vary::Coefficients, SweptNumbers::Coefficients(self.coefficients)),
         };
         let watch = Watch::start();
-        let (light, object) = ((&light, self.light.rule()), self.object.to_string_lossy());
-        let swept =
-            watch.run(|job| sweep(&file.parts, &mesh, vary, numbers.values(), light, &shot, job));
+        let object = self.object.to_string_lossy();
+        let (rule, values) = (self.light.rule(), numbers.values());
+        let params = SweepParams { mesh: &mesh, vary, values, light: &light, rule, picture };
+        let swept = watch.run(|job| sweep(&file.parts, &params, job));
         let swept = swept.map_err(|error| match error {
             RelightError::Terms { asked, most } => {
                 usage(format!("{asked} terms; {object} has 1 to {most}"))
