@@ -322,7 +322,7 @@ mod tests {
             let bytes = [head.as_bytes(), &data].concat();
             let values = read_pixels(&bytes, &read_header(&bytes).unwrap()).unwrap();
             let pixel = [9.0, 8.0, 7.0].map(|mantissa: f32| mantissa / 128.0);
-            assert!(values.iter().all(|rgb| *rgb == pixel) && values.len() == 10, "{values:?}");
+            assert_eq!(values, [pixel; 10]);
         }
     }
 
