@@ -117,8 +117,6 @@ pub fn exr_planes(bytes: &[u8]) -> Result<ExrPlanes, ImageError> {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Cursor;
-
     use super::*;
     use crate::encode_exr;
 
@@ -133,8 +131,11 @@ mod tests {
         let exr = decode_picture(&encode_exr(2, 1, &channels).unwrap()).unwrap();
         assert_eq!(exr.pixels, [[0.25, 0.5, 1.0, 1.0], [0.0; 4]]);
         let mut png = Vec::new();
-        let rgba = image::RgbaImage::from_raw(2, 1, vec![188, 188, 188, 255, 9, 9, 9, 0]).unwrap();
-        rgba.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
+        let mut encoder = png::Encoder::new(&mut png, 2, 1);
+        encoder.set_color(png::ColorType::Rgba);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&[188, 188, 188, 255, 9, 9, 9, 0]).unwrap();
+        drop(writer);
         let read = decode_picture(&png).unwrap();
         assert!((read.pixels[0][0] - 0.5).abs() < 0.01 && read.pixels[1][3] == 0.0, "{read:?}");
         assert!(decode_picture(b"no picture").is_err() && exr_planes(&png).is_err());

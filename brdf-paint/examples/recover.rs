@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ..PaintParams::default()
         };
         let extraction = extract(&training, &params, &Job::new())?;
-        let (own, other) = (extraction.errors.rms, held_out.errors(&extraction.material).rms);
+        let (own, other) = (extraction.errors.rms, extraction.material.errors(&held_out).rms);
         let bytes = extraction.material.payload_bytes();
         println!("{name:<12} {own:>8.4} {other:>9.4} {bytes:>8}");
     }

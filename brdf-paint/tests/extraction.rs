@@ -62,10 +62,10 @@ fn turns_find_three_blended_materials_where_the_published_way_does_not() {
     let published = made(&training, &params(Mode::MaterialMap, SolverChoice::Paper));
     let turns = made(&training, &params(Mode::MaterialMap, SolverChoice::Alternating));
     assert!(turns.errors.rms < 0.5 * published.errors.rms, "{:?}", turns.errors);
-    let errors = [&published, &turns].map(|made| held_out.errors(&made.material).rms);
+    let errors = [&published, &turns].map(|made| made.material.errors(&held_out).rms);
     assert!(errors[1] < 0.5 * errors[0] && errors[1] < 0.05, "held out: {errors:?}");
     for other in [&published, &turns] {
-        let recomputed = training.errors(&other.material);
+        let recomputed = other.material.errors(&training);
         assert!((recomputed.rms - other.errors.rms).abs() < 1e-9, "of the model that is returned");
     }
 }

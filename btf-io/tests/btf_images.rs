@@ -223,9 +223,9 @@ fn images_unlike_the_others_are_refused_by_name() {
 
 fn jpeg(width: usize, height: usize, texels: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let sides = [width, height].map(|side| u32::try_from(side).unwrap());
-    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 95)
-        .encode(texels, sides[0], sides[1], image::ExtendedColorType::Rgb8)
+    let [width, height] = [width, height].map(|side| u16::try_from(side).unwrap());
+    jpeg_encoder::Encoder::new(&mut bytes, 95)
+        .encode(texels, width, height, jpeg_encoder::ColorType::Rgb)
         .unwrap();
     bytes
 }

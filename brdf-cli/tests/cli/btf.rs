@@ -6,6 +6,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
+use crate::support::write_png;
+
 fn in_btf<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
     [&["btf"], arguments].concat()
 }
@@ -24,13 +26,10 @@ fn json(folder: &Path, arguments: &[&str]) -> Value {
 
 /// Maps of bumps in two colours.
 fn write_maps(folder: &Path) {
-    let height =
-        |x: u32, y: u32| image::Rgb([u8::try_from((x % 8) * 20 + (y % 8) * 10).unwrap(); 3]);
-    let colour = |x: u32, y: u32| {
-        image::Rgb(if (x / 8 + y / 8).is_multiple_of(2) { [200_u8, 90, 60] } else { [60, 90, 200] })
-    };
-    image::RgbImage::from_fn(16, 16, height).save(folder.join("height.png")).unwrap();
-    image::RgbImage::from_fn(16, 16, colour).save(folder.join("albedo.png")).unwrap();
+    let height = |x, y| [u8::try_from((x % 8) * 20 + (y % 8) * 10).unwrap(); 3];
+    let colour = |x, y| if (x / 8 + y / 8) % 2 == 0 { [200, 90, 60] } else { [60, 90, 200] };
+    write_png(&folder.join("height.png"), [16; 2], height);
+    write_png(&folder.join("albedo.png"), [16; 2], colour);
 }
 
 const SYNTH: [&str; 13] = [

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{brdf, fail, succeed};
+use crate::support::{brdf, fail, read_rgb, succeed, write_png};
 use serde_json::Value;
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
@@ -43,8 +43,8 @@ fn a_rendered_scene_becomes_a_material_that_holds_elsewhere() {
     let view = ["--size", "48", "--ground", "--view-deg", "40,30", "-o", "p.png"];
     let preview = ["paint", "preview", "material", "--mesh", "shape:torus"];
     succeed(folder, &[&preview[..], &view[..]].concat());
-    let picture = image::open(folder.join("p.png")).unwrap().into_rgb8();
-    let brightest = picture.pixels().map(|p| p.0[0]).max().unwrap();
+    let (_, pixels) = read_rgb(&folder.join("p.png"));
+    let brightest = pixels.iter().map(|p| p[0]).max().unwrap();
     assert!(brightest > 120, "lit: {brightest}");
 
     let paper = ["--solver", "paper", "--mode", "hybrid", "-o", "paper"];
@@ -67,9 +67,8 @@ fn hand_made_paintings_count_where_they_are_opaque() {
     let error = fail(folder, &["paint", "extract", "scene"], 1);
     assert!(error.contains("no painting"), "{error}");
     let paint = |name: &str, size: u32, opaque: u8| {
-        let colour = image::Rgba([180, 90, 40, opaque]);
-        let picture = image::RgbaImage::from_pixel(size, size, colour);
-        picture.save(folder.join("scene/painted").join(name)).unwrap();
+        let path = folder.join("scene/painted").join(name);
+        write_png(&path, [size; 2], |_, _| [180, 90, 40, opaque]);
     };
     paint("view00.png", 48, 0);
     let error = fail(folder, &["paint", "extract", "scene"], 1);
@@ -165,20 +164,36 @@ fn photographs_of_known_poses_become_a_material() {
                     brdf_paint::PaintedImage { width: 96, height: 64, pixels: pixels.collect() };
                 fs::write(path, brdf_container::write_painting(&image).unwrap()).unwrap();
             }
-            (name, _) => {
+            (name, ending) => {
                 let encode = |v: f64| {
                     let low = 12.92 * v;
                     if v <= 0.003_130_8 { low } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
                 };
-                let picture = image::ImageBuffer::from_fn(96, 64, |x, y| {
-                    image::Rgb(
-                        linear((y * 96 + x) as usize).map(|v| (65535.0 * encode(v)).round() as u16),
-                    )
-                });
-                let picture = image::DynamicImage::ImageRgb16(picture);
-                let is_deep = name == "a";
-                let picture = if is_deep { picture } else { picture.into_rgb8().into() };
-                picture.save(path).unwrap();
+                let scaled = |most: f64| {
+                    (0..96 * 64)
+                        .flat_map(move |at| linear(at).map(|v| (most * encode(v)).round() as u16))
+                };
+                let narrow: Vec<u8> = scaled(255.0).map(|v| v as u8).collect();
+                let mut bytes = Vec::new();
+                match (name, ending) {
+                    ("a", _) => {
+                        let mut encoder = png::Encoder::new(&mut bytes, 96, 64);
+                        encoder.set_color(png::ColorType::Rgb);
+                        encoder.set_depth(png::BitDepth::Sixteen);
+                        let deep: Vec<u8> = scaled(65535.0).flat_map(u16::to_be_bytes).collect();
+                        encoder.write_header().unwrap().write_image_data(&deep).unwrap();
+                    }
+                    (_, "png") => write_png(&path, [96, 64], |x, y| {
+                        let at = 3 * (96 * y + x) as usize;
+                        [narrow[at], narrow[at + 1], narrow[at + 2]]
+                    }),
+                    _ => jpeg_encoder::Encoder::new(&mut bytes, 75)
+                        .encode(&narrow, 96, 64, jpeg_encoder::ColorType::Rgb)
+                        .unwrap(),
+                }
+                if !bytes.is_empty() {
+                    fs::write(path, bytes).unwrap();
+                }
             }
         }
     }
@@ -196,17 +211,14 @@ fn photographs_of_known_poses_become_a_material() {
     let few = json(folder, &[&extract[..], &["--pixels", "800", "-o", "few"]].concat());
     assert_eq!(few["samples"], 800);
     assert!(few["notes"].to_string().contains("more than --pixels"), "{few}");
-    image::RgbImage::from_pixel(96, 64, image::Rgb([255; 3]))
-        .save(folder.join("scene/painted/d.png"))
-        .unwrap();
+    write_png(&folder.join("scene/painted/d.png"), [96, 64], |_, _| [255; 3]);
     let full = json(folder, &[&extract[..], &["-o", "full"]].concat());
     assert!(full["notes"].to_string().contains("may have been brighter"), "{full}");
     let view = ["--view-deg", "0,90", "--light-deg", "0,0", "--size", "64", "-o", "p.png"];
     let preview = ["paint", "preview", "material", "--mesh", "shape:torus"];
     succeed(folder, &[&preview[..], &view[..]].concat());
-    let picture = image::open(folder.join("p.png")).unwrap().into_rgb8();
-    let brightest =
-        |c: usize| picture.pixels().map(|p| f64::from(p.0[c]) / 255.0).fold(0.0, f64::max);
+    let (_, pixels) = read_rgb(&folder.join("p.png"));
+    let brightest = |c: usize| pixels.iter().map(|p| f64::from(p[c]) / 255.0).fold(0.0, f64::max);
     for (channel, albedo) in albedo.iter().enumerate() {
         let found = ((brightest(channel) + 0.055) / 1.055).powf(2.4);
         assert!((found - albedo).abs() < 0.04, "the top of the ring: {found} for {albedo}");

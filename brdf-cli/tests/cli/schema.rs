@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::support::succeed;
+use crate::support::{succeed, write_png};
 use serde_json::Value;
 
 fn folder() -> PathBuf {
@@ -86,12 +86,9 @@ fn btf_commands_print_what_the_schemas_say() {
             "500",
         ],
     );
-    image::GrayImage::from_fn(8, 8, |x, y| image::Luma([if (x + y) % 3 == 0 { 255 } else { 90 }]))
-        .save(root.join("height.png"))
-        .unwrap();
-    image::RgbImage::from_pixel(8, 8, image::Rgb([200, 120, 60]))
-        .save(root.join("albedo.png"))
-        .unwrap();
+    let height = |x, y| [if (x + y) % 3 == 0 { 255 } else { 90 }];
+    write_png(&root.join("height.png"), [8; 2], height);
+    write_png(&root.join("albedo.png"), [8; 2], |_, _| [200, 120, 60]);
     holds(
         root,
         "btf-synth",

@@ -34,3 +34,30 @@ pub(crate) fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
+
+/// Writes a PNG of 8 bits: grey, RGB or RGBA by the number of values of a pixel.
+pub(crate) fn write_png<const N: usize>(
+    path: &Path,
+    [width, height]: [u32; 2],
+    pixel: impl Fn(u32, u32) -> [u8; N],
+) {
+    let values: Vec<u8> = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .flat_map(|(x, y)| pixel(x, y))
+        .collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(match N {
+        1 => png::ColorType::Grayscale,
+        3 => png::ColorType::Rgb,
+        _ => png::ColorType::Rgba,
+    });
+    encoder.write_header().unwrap().write_image_data(&values).unwrap();
+    std::fs::write(path, bytes).unwrap();
+}
+
+/// Reads a picture of three bytes a pixel: pixels in a row, and the pixels.
+pub(crate) fn read_rgb(path: &Path) -> (usize, Vec<[u8; 3]>) {
+    let image = brdf_image::decode_stored(&std::fs::read(path).unwrap()).unwrap();
+    (image.width, image.samples.into_bytes().as_chunks().0.to_vec())
+}
