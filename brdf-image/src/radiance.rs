@@ -79,7 +79,10 @@ fn read_header(bytes: &[u8]) -> Result<Header, ImageError> {
     let mut exposure = 1.0;
     let mut is_radiance = bytes.starts_with(b"#?");
     loop {
-        let line = line(bytes, &mut at)?;
+        let line = match line(bytes, &mut at) {
+            Err(_) if !is_radiance => return Err(no_radiance()),
+            line => line?,
+        };
         if line.is_empty() {
             break;
         }
@@ -95,7 +98,7 @@ fn read_header(bytes: &[u8]) -> Result<Header, ImageError> {
         }
     }
     if !is_radiance {
-        return Err(unusable("first line".to_owned(), "#?RADIANCE, or a line FORMAT"));
+        return Err(no_radiance());
     }
     if !(exposure > 0.0 && exposure.is_finite()) {
         return Err(unusable(format!("exposure {exposure}"), "a number above 0"));
@@ -106,8 +109,12 @@ fn read_header(bytes: &[u8]) -> Result<Header, ImageError> {
     Ok(Header { size, order, exposure, data: at })
 }
 
+fn no_radiance() -> ImageError {
+    unusable("first line".to_owned(), "#?RADIANCE, or a line FORMAT")
+}
+
 fn unusable(found: String, expected: &'static str) -> ImageError {
-    ImageError::Header { what: "Radiance", found, expected }
+    ImageError::Header { what: "Radiance HDR", found, expected }
 }
 
 /// The line at an offset, which moves behind it.

@@ -216,7 +216,7 @@ mod tests {
         assert_eq!((counts.images, counts.clipped), (162, 2 * 8 * 4 * 3));
         assert!((counts.clipped_share() - 1.0 / 81.0).abs() < 1e-12);
         let path = place.join("tv075_pv345").join("00019 tl045 pl000 tv075 pv345.jpg");
-        let image = brdf_image::decode_stored(&std::fs::read(path).unwrap()).unwrap();
+        let image = brdf_image::decode_stored(&fs::read(path).unwrap()).unwrap();
         assert_eq!((image.width, image.height), (8, 4));
         // .25 encodes to 137.
         assert!(image.samples.into_bytes().iter().all(|v| v.abs_diff(137) < 2));

@@ -187,9 +187,11 @@ fn photographs_of_known_poses_become_a_material() {
                         let at = 3 * (96 * y + x) as usize;
                         [narrow[at], narrow[at + 1], narrow[at + 2]]
                     }),
-                    _ => jpeg_encoder::Encoder::new(&mut bytes, 75)
-                        .encode(&narrow, 96, 64, jpeg_encoder::ColorType::Rgb)
-                        .unwrap(),
+                    _ => {
+                        let mut encoder = jpeg_encoder::Encoder::new(&mut bytes, 75);
+                        encoder.set_sampling_factor(jpeg_encoder::SamplingFactor::R_4_4_4);
+                        encoder.encode(&narrow, 96, 64, jpeg_encoder::ColorType::Rgb).unwrap();
+                    }
                 }
                 if !bytes.is_empty() {
                     fs::write(path, bytes).unwrap();

@@ -8,7 +8,7 @@ use brdf_files::{FileError, MappedFile};
 use brdf_image::ToneMap;
 use brdf_render::{MeshView, render_mesh};
 
-use crate::args::{LightArgs, positive};
+use crate::args::LightArgs;
 use crate::meshes::{ViewArgs, open_mesh};
 use crate::outputs::PictureArgs;
 use crate::progress::Watch;
@@ -45,10 +45,6 @@ pub(in crate::commands) struct Preview {
     /// Light samples per pixel under an environment
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
-
-    /// Factor from linear values to what is shown as white [default: 1 under one light]
-    #[arg(long, value_parser = positive)]
-    exposure: Option<f64>,
 }
 
 impl Preview {
