@@ -170,8 +170,9 @@ fn photographs_of_known_poses_become_a_material() {
                     if v <= 0.003_130_8 { low } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
                 };
                 let scaled = |most: f64| {
-                    (0..96 * 64)
-                        .flat_map(move |at| linear(at).map(|v| (most * encode(v)).round() as u16))
+                    (0..96 * 64).flat_map(move |at| {
+                        linear(at).map(|v| (most * encode(v).min(1.0)).round() as u16)
+                    })
                 };
                 let narrow: Vec<u8> = scaled(255.0).map(|v| v as u8).collect();
                 let mut bytes = Vec::new();
