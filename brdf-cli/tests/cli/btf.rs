@@ -6,7 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::support::write_png;
+use crate::support::{python, write_png};
 
 fn in_btf<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
     [&["btf"], arguments].concat()
@@ -238,14 +238,7 @@ fn a_run_that_cannot_finish_leaves_the_old_file() {
 /// The NumPy of docs/btf.md gives what `brdf btf eval` gives at nodes of the grid.
 #[test]
 fn the_documented_numpy_reads_a_file() {
-    let python = std::env::var("BRDF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let modules = Command::new(&python).args(["-c", "import numpy, safetensors"]).output();
-    if !modules.is_ok_and(|output| output.status.success()) {
-        eprintln!(
-            "skipped: {python} has no numpy and safetensors; set BRDF_PYTHON to one that has"
-        );
-        return;
-    }
+    let Some(python) = python() else { return };
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/btf.md");
     let docs = fs::read_to_string(docs).unwrap();
     let snippet = docs.split("```python\n").nth(1).and_then(|rest| rest.split("```").next());

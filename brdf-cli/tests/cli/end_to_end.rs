@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::support::{brdf, fail, succeed, text};
+use crate::support::{brdf, fail, python, succeed, text};
 use brdf_image::DisplayImage;
 use brdf_image::encode_png;
 use serde_json::Value;
@@ -629,14 +629,7 @@ fn help_teaches_and_completions_complete() {
 /// The README's ten lines of NumPy give what `brdf eval` gives.
 #[test]
 fn the_readme_evaluates_a_model_in_numpy() {
-    let python = std::env::var("BRDF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let modules = Command::new(&python).args(["-c", "import numpy, safetensors"]).output();
-    if !modules.is_ok_and(|output| output.status.success()) {
-        eprintln!(
-            "skipped: {python} has no numpy and safetensors; set BRDF_PYTHON to one that has"
-        );
-        return;
-    }
+    let Some(python) = python() else { return };
     let readme = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../README.md");
     let readme = fs::read_to_string(readme).unwrap();
     let snippet = readme

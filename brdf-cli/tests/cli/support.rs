@@ -1,5 +1,6 @@
 //! Running the binary.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -60,4 +61,16 @@ pub(crate) fn write_png<const N: usize>(
 pub(crate) fn read_rgb(path: &Path) -> (usize, Vec<[u8; 3]>) {
     let image = brdf_image::decode_stored(&std::fs::read(path).unwrap()).unwrap();
     (image.width, image.samples.into_bytes().as_chunks().0.to_vec())
+}
+
+/// A Python with numpy and safetensors, if there is one; says so if a test is skipped for want of it.
+pub(crate) fn python() -> Option<String> {
+    let python = std::env::var("BRDF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let modules = Command::new(&python).args(["-c", "import numpy, safetensors"]).output();
+    if modules.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    let reason = "has no numpy and safetensors; set BRDF_PYTHON to one that has";
+    writeln!(std::io::stderr(), "skipped: {python} {reason}").expect("standard error");
+    None
 }
