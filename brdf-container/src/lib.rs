@@ -9,7 +9,7 @@
 //! `of2.factor0`, `of2.factor1` …
 //!
 //! A sum of products: `first` and `second`, f32 `[row, column, term, channel]` over the texels of
-//! their charts, `first` with one channel where its textures are scalar; where both sides share
+//! their hemisphere grids, `first` with one channel where its textures are scalar; where both sides share
 //! textures, `signs`, f32 `[term, channel]`, in place of `second`.
 //!
 //! A painted material: tensors `product0.factor0` … of the factors of each product, as of a factored model,
