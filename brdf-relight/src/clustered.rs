@@ -173,15 +173,70 @@ impl pulp::NullaryFnOnce for AddComponents<'_> {
             let component = transport.first[usize::from(transport.clusters[vertex])] as usize;
             let [start, end] = [vertex, vertex + 1].map(|at| transport.starts[at] as usize);
             let weights = &transport.weights[start..end];
-            let lit = &lit[component * terms..][..weights.len() * terms];
-            let out = out.as_flattened_mut();
-            out.fill(0.0);
-            for (weight, lit) in weights.iter().zip(lit.chunks_exact(terms)) {
-                let weight = f32::from(*weight) * (1.0 / 32767.0);
-                for (sum, value) in out.iter_mut().zip(lit.as_flattened()) {
-                    *sum += weight * value;
-                }
+            let lit = lit[component * terms..][..weights.len() * terms].as_flattened();
+            add_all_columns(weights, lit, out.as_flattened_mut());
+        }
+    }
+}
+
+/// Writes weighted sums of the rows of `lit` into `out`, as many columns at once as registers hold.
+#[inline(always)]
+fn add_all_columns(weights: &[i16], lit: &[f32], out: &mut [f32]) {
+    let done = add_columns::<48>(weights, lit, out, 0);
+    let done = add_columns::<24>(weights, lit, out, done);
+    let done = add_columns::<12>(weights, lit, out, done);
+    add_columns::<3>(weights, lit, out, done);
+}
+
+/// Writes the sums of the columns from `first` on, `N` at once, and returns the first column of those that are left,
+/// fewer than `N`.
+#[inline(always)]
+fn add_columns<const N: usize>(
+    weights: &[i16],
+    lit: &[f32],
+    out: &mut [f32],
+    first: usize,
+) -> usize {
+    let width = out.len();
+    let (blocks, rest) = out[first..].as_chunks_mut::<N>();
+    for (column, sums) in (first..).step_by(N).zip(blocks) {
+        let mut total = [0.0; N];
+        for (weight, row) in weights.iter().zip(lit.chunks_exact(width)) {
+            let weight = f32::from(*weight) * (1.0 / 32767.0);
+            let row = &row[column..][..N];
+            for (total, value) in total.iter_mut().zip(row) {
+                *total += weight * value;
             }
+        }
+        *sums = total;
+    }
+    width - rest.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn rows() -> impl Strategy<Value = (usize, Vec<i16>, Vec<f32>)> {
+        (1_usize..40, 0_usize..6).prop_flat_map(|(terms, rows)| {
+            (Just(terms), vec(any::<i16>(), rows), vec(-1.0..1.0_f32, rows * 3 * terms))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn blocks_of_columns_add_to_the_bit_what_a_plain_loop_adds((terms, weights, lit) in rows()) {
+            let mut plain = vec![0.0_f32; 3 * terms];
+            for (weight, row) in weights.iter().zip(lit.chunks_exact(3 * terms)) {
+                let weight = f32::from(*weight) * (1.0 / 32767.0);
+                plain.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+            }
+            let mut out = vec![f32::NAN; 3 * terms];
+            add_all_columns(&weights, &lit, &mut out);
+            prop_assert_eq!(out, plain);
         }
     }
 }

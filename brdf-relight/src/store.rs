@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use crate::chunk::SparseVectors;
@@ -244,13 +245,13 @@ impl<'a> SparseTransport<'a> {
         assert_eq!(out.len(), self.vectors(), "room for each vector");
         let blocks = out.par_chunks_mut(VERTEX_BLOCK).zip(self.scales.par_chunks(VERTEX_BLOCK));
         blocks.enumerate().for_each_init(
-            || vec![[0.0; 4]; VERTEX_BLOCK],
+            || vec![Vec4::ZERO; VERTEX_BLOCK],
             |sums, (block, (out, scales))| {
                 let starts = &self.offsets[block * (TEXELS + 1)..][..TEXELS + 1];
-                sums.fill([0.0; 4]);
+                sums.fill(Vec4::ZERO);
                 pulp::Arch::new().dispatch(AddBlock { transport: self, light, starts, sums });
                 for ((value, sum), scale) in out.iter_mut().zip(sums.iter()).zip(scales) {
-                    *value = [scale * sum[0], scale * sum[1], scale * sum[2]];
+                    *value = (scale * sum.truncate()).to_array();
                 }
             },
         );
@@ -262,7 +263,7 @@ struct AddBlock<'a> {
     transport: &'a SparseTransport<'a>,
     light: &'a LitCoefficients,
     starts: &'a [u32],
-    sums: &'a mut [[f32; 4]],
+    sums: &'a mut [Vec4],
 }
 
 impl pulp::NullaryFnOnce for AddBlock<'_> {
@@ -271,23 +272,22 @@ impl pulp::NullaryFnOnce for AddBlock<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { transport, light, starts, sums } = self;
-        for (place, [r, g, b]) in light.places().iter().zip(light.values()) {
+        for (place, light) in light.places().iter().zip(light.values()) {
+            let light = Vec3::from_array(*light).extend(0.0);
             let place = usize::from(*place);
             let entries = starts[place] as usize..starts[place + 1] as usize;
             let owners = &transport.owners[entries.clone()];
             match &transport.codes {
                 Codes::Rgb(codes) => {
                     for (owner, code) in owners.iter().zip(&codes[entries]) {
-                        let [x, y, z] = Coding::Rgb.decode(*code);
-                        let sum = &mut sums[usize::from(*owner)];
-                        *sum = [sum[0] + r * x, sum[1] + g * y, sum[2] + b * z, sum[3]];
+                        let value = Vec3::from_array(Coding::Rgb.decode(*code)).extend(0.0);
+                        sums[usize::from(*owner)] += light * value;
                     }
                 }
                 Codes::Scalar(codes) => {
                     for (owner, code) in owners.iter().zip(&codes[entries]) {
                         let [x, _, _] = Coding::Scalar.decode(u32::from(*code));
-                        let sum = &mut sums[usize::from(*owner)];
-                        *sum = [sum[0] + r * x, sum[1] + g * x, sum[2] + b * x, sum[3]];
+                        sums[usize::from(*owner)] += light * x;
                     }
                 }
             }
