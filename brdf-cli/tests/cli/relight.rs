@@ -3,34 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{brdf, fail, read_rgb, succeed, text};
+use crate::support::{ball, brdf, fail, read_rgb, succeed, text};
 use serde_json::Value;
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&succeed(folder, arguments)).expect("JSON")
-}
-
-/// A ball of few triangles.
-fn ball(folder: &Path) {
-    let (rings, sectors) = (12_usize, 20_usize);
-    let mut obj = String::new();
-    for ring in 0..=rings {
-        for sector in 0..sectors {
-            let theta = std::f64::consts::PI * ring as f64 / rings as f64;
-            let phi = std::f64::consts::TAU * sector as f64 / sectors as f64;
-            let (x, y, z) = (theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
-            obj += &format!("v {x} {y} {z}\n");
-        }
-    }
-    for ring in 0..rings {
-        for sector in 0..sectors {
-            let at = |ring: usize, sector: usize| ring * sectors + sector % sectors + 1;
-            let [a, b] = [at(ring, sector), at(ring, sector + 1)];
-            let [c, d] = [at(ring + 1, sector), at(ring + 1, sector + 1)];
-            obj += &format!("f {a} {b} {c}\nf {b} {d} {c}\n");
-        }
-    }
-    fs::write(folder.join("ball.obj"), obj).unwrap();
 }
 
 const MAKE: [&str; 7] =
@@ -119,10 +96,11 @@ fn an_object_is_relit_compared_and_timed() {
 fn an_interrupted_run_goes_on_to_the_same_file() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
+    ball(folder);
     let make = [
         "relight",
         "precompute",
-        "shape:torus",
+        "ball.obj",
         "--rank",
         "2",
         "--map-resolution",

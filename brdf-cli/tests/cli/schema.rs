@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::support::{succeed, write_png};
+use crate::support::{ball, succeed, write_png};
 use serde_json::Value;
 
 fn folder() -> PathBuf {
@@ -127,10 +127,11 @@ fn painting_and_relighting_print_what_the_schemas_say() {
         "paint-extract",
         "paint extract scene --products 1 --texels 16 --map-size 16 --json -o material",
     );
+    ball(root);
     holds(
         root,
         "relight-precompute",
-        "relight precompute shape:torus --rank 2 --quality 1 --map-resolution 8 --json -o o.prt",
+        "relight precompute ball.obj --rank 2 --quality 1 --map-resolution 8 --json -o o.prt",
     );
     holds(root, "relight-compare", "relight compare o.prt --vertices 5 --json");
     holds(root, "relight-bench", "relight bench o.prt --frames 1 --size 16 --json");

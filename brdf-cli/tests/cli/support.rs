@@ -1,5 +1,7 @@
 //! Running the binary.
 
+use std::f64::consts::{PI, TAU};
+use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -54,12 +56,12 @@ pub(crate) fn write_png<const N: usize>(
         _ => png::ColorType::Rgba,
     });
     encoder.write_header().unwrap().write_image_data(&values).unwrap();
-    std::fs::write(path, bytes).unwrap();
+    fs::write(path, bytes).unwrap();
 }
 
 /// Reads a picture of three bytes a pixel: pixels in a row, and the pixels.
 pub(crate) fn read_rgb(path: &Path) -> (usize, Vec<[u8; 3]>) {
-    let image = brdf_image::decode_stored(&std::fs::read(path).unwrap()).unwrap();
+    let image = brdf_image::decode_stored(&fs::read(path).unwrap()).unwrap();
     (image.width, image.samples.into_bytes().as_chunks().0.to_vec())
 }
 
@@ -73,4 +75,27 @@ pub(crate) fn python() -> Option<String> {
     let reason = "has no numpy and safetensors; set BRDF_PYTHON to one that has";
     writeln!(std::io::stderr(), "skipped: {python} {reason}").expect("standard error");
     None
+}
+
+/// A ball of few triangles.
+pub(crate) fn ball(folder: &Path) {
+    let (rings, sectors) = (12_usize, 20_usize);
+    let mut obj = String::new();
+    for ring in 0..=rings {
+        for sector in 0..sectors {
+            let theta = PI * ring as f64 / rings as f64;
+            let phi = TAU * sector as f64 / sectors as f64;
+            let (x, y, z) = (theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+            obj += &format!("v {x} {y} {z}\n");
+        }
+    }
+    for ring in 0..rings {
+        for sector in 0..sectors {
+            let at = |ring: usize, sector: usize| ring * sectors + sector % sectors + 1;
+            let [a, b] = [at(ring, sector), at(ring, sector + 1)];
+            let [c, d] = [at(ring + 1, sector), at(ring + 1, sector + 1)];
+            obj += &format!("f {a} {b} {c}\nf {b} {d} {c}\n");
+        }
+    }
+    fs::write(folder.join("ball.obj"), obj).unwrap();
 }
