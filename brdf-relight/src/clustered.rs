@@ -179,7 +179,8 @@ impl pulp::NullaryFnOnce for AddComponents<'_> {
     }
 }
 
-/// Writes weighted sums of the rows of `lit` into `out`, as many columns at once as registers hold.
+/// Writes weighted sums of the rows of `lit` into `out`, as many columns at once as registers hold: those of sixteen
+/// terms, the usual number, then of eight, four and one.
 #[inline(always)]
 fn add_all_columns(weights: &[i16], lit: &[f32], out: &mut [f32]) {
     let done = add_columns::<48>(weights, lit, out, 0);

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use brdf_image::Pixel;
 use brdf_job::Job;
@@ -11,23 +11,10 @@ use brdf_model::{Brdf, Preset};
 use brdf_relight::cube::{TEXELS, direction, solid_angle};
 use brdf_relight::*;
 use brdf_render::Environment;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
-/// A torus as the library's, of half as many vertices.
 fn torus() -> Mesh {
-    let (around, tube) = (64_u32, 32_u32);
-    let mut soup = Soup::default();
-    for (i, j) in (0..around).flat_map(|i| (0..tube).map(move |j| (i, j))) {
-        let turn = |at: u32, of: u32| DVec2::from_angle(TAU * f64::from(at) / f64::from(of));
-        let (u, v) = (turn(i, around), turn(j, tube));
-        let normal = DVec3::new(u.y * v.x, v.y, u.x * v.x);
-        soup.positions.push(DVec3::new(u.y, 0.0, u.x) + 0.5 * normal);
-        soup.normals.get_or_insert_default().push(normal);
-        let at = |i: u32, j: u32| i % around * tube + j % tube;
-        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-        soup.triangles.extend([[a, b, c], [a, c, d]]);
-    }
-    Mesh::new(soup).unwrap().0
+    Mesh::new(Soup::torus()).unwrap().0
 }
 
 /// A triangle that shades nothing.
@@ -348,7 +335,7 @@ fn more_terms_and_coefficients_come_closer_to_brute_force() {
     let occluder = Occluder::of(&mesh);
     let brdf = Preset::find("light-brown-plastic").unwrap().brdf();
     let split = |rank, coefficients| {
-        let params = CompareParams { vertices: 12, quality: Quality::One, rule: LightRule::Energy };
+        let params = CompareParams { vertices: 48, quality: Quality::One, rule: LightRule::Energy };
         let maps = maps("light-brown-plastic", rank, LightMaps::Joint);
         let codec = Codec::Wavelet { coefficients };
         let part = plan(Surface::of(&mesh), &maps, codec, params.quality).run(&occluder).unwrap();
@@ -385,7 +372,7 @@ fn the_picture_shows_the_shadow_and_matches_brute_force_at_a_pixel() {
     let mut apart = Vec::new();
     for (at, pixel) in film.pixels().iter().enumerate().step_by(5) {
         let Pixel::Radiance(found, share) = *pixel else { continue };
-        let place = DVec2::new((at % 96) as f64 + 0.5, (at / 96) as f64 + 0.5);
+        let place = glam::DVec2::new((at % 96) as f64 + 0.5, (at / 96) as f64 + 0.5);
         let ray = camera.ray(place, 96, 96);
         let Some(hit) = mesh.hit(camera.eye, ray, 0.0) else { continue };
         let surface = mesh.surface(&hit);
