@@ -4,6 +4,7 @@
 //! load, the only step that cannot be laid out in arrays), and the inverse log map (arithmetic
 //! again). No fused multiply–add, so that every instruction set gives the same bits.
 
+use brdf_model::elementary::exp;
 use brdf_model::{DirectionSlices, RgbBatch};
 
 use crate::coordinate::{Radial, Reading};
@@ -337,24 +338,6 @@ fn finish(
     out.b[start..start + len].copy_from_slice(source(2));
 }
 
-/// e^x to 2 units in the last place, for |x| ≤ 87; beyond, it saturates.
-///
-/// x = n ln 2 + r with |r| ≤ ln 2 / 2, e^r by its Taylor polynomial of degree 7 (remainder 5e-9),
-/// 2ⁿ by its bits.
-#[inline(always)]
-fn exp(x: f32) -> f32 {
-    // ln 2 in two parts, the first with few enough bits that n times it is exact.
-    const LN_2_HIGH: f32 = 0.693_359_4;
-    const LN_2_LOW: f32 = -0.000_212_194_44;
-    let x = x.clamp(-87.0, 87.0);
-    let n = (x * std::f32::consts::LOG2_E + 0.5).floor();
-    let r = (x - n * LN_2_HIGH) - n * LN_2_LOW;
-    let tail = 1.0 / 120.0 + r * (1.0 / 720.0 + r * (1.0 / 5040.0));
-    let e = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * (1.0 / 24.0 + r * tail))));
-    // n + 127 in the lowest bits, shifted to where the exponent stands.
-    e * f32::from_bits((n + (1.5 * TWO_23 + 127.0)).to_bits() << 23)
-}
-
 const TWO_23: f32 = 8_388_608.0;
 
 /// The integer that a whole number from 0 to 2²³ − 1 is, by its bits: unlike `as`, which saturates,
@@ -362,19 +345,4 @@ const TWO_23: f32 = 8_388_608.0;
 #[inline(always)]
 fn whole(value: f32) -> u32 {
     (value + TWO_23).to_bits() & 0x007f_ffff
-}
-
-#[cfg(test)]
-mod tests {
-    use super::exp;
-
-    #[test]
-    fn the_exponential_is_good_to_rounding() {
-        for step in -8000..=8000_i16 {
-            let x = f32::from(step) * 0.01;
-            let exact = f64::from(x).exp();
-            let error = (f64::from(exp(x)) - exact).abs() / exact;
-            assert!(error < 2.4e-7, "{error} at {x}");
-        }
-    }
 }

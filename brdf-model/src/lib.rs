@@ -33,7 +33,9 @@ mod batch;
 mod brdf;
 mod checks;
 mod distribution;
+pub mod elementary;
 mod error;
+mod fidelity;
 mod fresnel;
 mod interpolated_warp;
 mod large_table;
@@ -67,6 +69,7 @@ pub use distribution::{
     Distribution1D, LinearDistributions, linear_part, linear_segment, share_of,
 };
 pub use error::ModelError;
+pub use fidelity::{FIDELITY_PAIRS, Fidelity, FidelityErrors, FidelityPairs};
 pub use fresnel::{Fresnel, conductor_reflectance, dielectric_reflectance};
 pub use interpolated_warp::{InterpolatedWarp, WarpShape};
 pub use luminance::Luminance;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use brdf_param::{DirectionPair, HemisphereMap};
+use brdf_param::{DirectionPair, HemisphereMap, spherical_direction};
 use glam::{DVec2, DVec3};
 
 /// A four-dimensional Sobol sequence with nested uniform (Owen) scrambling.
@@ -165,15 +165,46 @@ impl PairSampling {
     /// Returns the pairs, in the order of the sequence.
     pub fn pairs(&self) -> impl Iterator<Item = DirectionPair> + use<> {
         let sobol = ScrambledSobol::new(self.seed);
-        let radius = (0.5 * self.theta_max.min(FRAC_PI_2)).tan();
-        let direction = move |a: f64, b: f64| {
-            let disc = radius * a.sqrt() * DVec2::from_angle(TAU * b);
-            HemisphereMap::Parabolic.decode(disc).unwrap_or(DVec3::Z)
-        };
+        let this = *self;
         (0..self.count).map(move |index| {
             let [a, b, c, d] = sobol.point(index);
-            DirectionPair::new(direction(a, b), direction(c, d))
+            DirectionPair::new(this.direction(a, b), this.direction(c, d))
         })
+    }
+
+    /// Returns pairs that crowd around the mirror direction, where gloss is: `wi` as in
+    /// [`PairSampling::pairs`], a half vector at θh = 90° c² and azimuth 2πd, and `wo` the mirror image of
+    /// `wi` about it.
+    ///
+    /// Pairs whose `wo` lies beyond the limit are left out, so that there are fewer than `count`.
+    ///
+    /// ```
+    /// use brdf_model::PairSampling;
+    /// use brdf_param::polar_angle;
+    ///
+    /// let sampling = PairSampling { count: 1000, seed: 1, theta_max: 1.2 };
+    /// let pairs: Vec<_> = sampling.highlight_pairs().collect();
+    /// let near = pairs.iter().filter(|pair| polar_angle(pair.half()) < 0.1).count();
+    /// assert!(pairs.len() > 500 && near > pairs.len() / 5);
+    /// ```
+    pub fn highlight_pairs(&self) -> impl Iterator<Item = DirectionPair> + use<> {
+        let this = *self;
+        let sobol = ScrambledSobol::new(self.seed);
+        let limit = self.theta_max.min(FRAC_PI_2).cos();
+        (0..self.count).filter_map(move |index| {
+            let [a, b, c, d] = sobol.point(index);
+            let wi = this.direction(a, b);
+            let half = spherical_direction(FRAC_PI_2 * c * c, TAU * d);
+            let wo = 2.0 * wi.dot(half) * half - wi;
+            (wi.dot(half) > 0.0 && wo.z >= limit).then(|| DirectionPair::new(wi, wo.normalize()))
+        })
+    }
+
+    /// The direction at a point of the unit square, uniform on the parabolic disc within the limit.
+    fn direction(&self, a: f64, b: f64) -> DVec3 {
+        let radius = (0.5 * self.theta_max.min(FRAC_PI_2)).tan();
+        let disc = radius * a.sqrt() * DVec2::from_angle(TAU * b);
+        HemisphereMap::Parabolic.decode(disc).unwrap_or(DVec3::Z)
     }
 }
 

@@ -1,0 +1,486 @@
+//! Fits: which axis, which offset, how many functions, and how coarse coefficients may be.
+
+use brdf_job::Job;
+use brdf_model::{
+    Brdf, Channels, Fidelity, FidelityErrors, PairSampling, Rgb, SampleSet, ScrambledSobol,
+};
+use brdf_param::{DirectionPair, HalfDifference};
+use rayon::prelude::*;
+
+use crate::alternating::Alternating;
+use crate::basis::CubicBasis;
+use crate::error::SplineError;
+use crate::harmonics::Symmetry;
+use crate::model::{Channel, SplineBrdf, stream};
+use crate::nodes::{NodeGrid, Nodes};
+use crate::products::{Products, Shape};
+use crate::stream::{Quantized, Steps};
+use crate::warp::HalfAxis;
+
+/// Bytes that a model may have.
+pub const SPLINE_BYTES: std::ops::RangeInclusive<usize> = 300..=200_000;
+
+/// α of the axis of θh that are tried, radians.
+const ALPHAS: [f64; 3] = [0.004, 0.014, 0.05];
+/// Offsets a that are tried, relative to the mean of a channel.
+const OFFSETS: [f64; 3] = [1e-4, 1e-3, 5e-3];
+/// Steps of a trial, and of the fit.
+const TRIAL_STEPS: usize = 8;
+const STEPS: usize = 18;
+/// Steps after which nodes are weighed anew.
+const REWEIGHED: [usize; 4] = [3, 6, 10, 14];
+/// Pairs of each set that trials and symmetries are judged by.
+const JUDGED_PAIRS: u32 = 1500;
+/// Largest angle to the normal of those pairs, radians.
+const JUDGED_THETA: f64 = 80.0 * std::f64::consts::PI / 180.0;
+/// Error below which a symmetry is taken to hold: a third of that of a model of a few kilobytes.
+const SYMMETRIC: f64 = 0.006;
+/// Steps of g beside those of the other side, both seen in y.
+const HALF_STEP: f64 = 0.7;
+
+/// How a material is fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplineSettings {
+    /// Most bytes of the model, within [`SPLINE_BYTES`].
+    pub bytes: usize,
+    /// Channels to fit.
+    pub channels: Channels,
+    /// Which exchanges leave the model unchanged; none for those that leave the material unchanged.
+    pub symmetry: Option<Symmetry>,
+    /// Which pairs trials are judged by.
+    pub seed: u64,
+}
+
+impl Default for SplineSettings {
+    fn default() -> Self {
+        Self { bytes: 8_192, channels: Channels::Rgb, symmetry: None, seed: 1 }
+    }
+}
+
+/// A fitted model and what was tried.
+#[derive(Clone, Debug)]
+pub struct SplineFit {
+    /// The model.
+    pub model: SplineBrdf,
+    /// Places at which the material was read.
+    pub nodes: usize,
+    /// Channels of those places that are 0: the model may be anything below there, as it ends at 0.
+    pub zeros: usize,
+    /// Places that were left out because a value was not finite.
+    pub not_finite: usize,
+    /// Axes and offsets that were tried, with their errors.
+    pub trials: Vec<SplineTrial>,
+    /// Errors of the material against its mirror image, and against itself with light and viewer exchanged, as far as
+    /// that was looked at.
+    pub asymmetry: Option<[f64; 2]>,
+}
+
+/// What one axis and offset came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplineTrial {
+    /// Angle up to which splines over θh are evenly spaced, radians.
+    pub alpha: f64,
+    /// a of ln(a + f), relative to the mean value of a channel.
+    pub offset: f64,
+    /// The geometric mean of errors of [`Fidelity::score`], for a small model that is not rounded.
+    pub score: f64,
+}
+
+/// Returns the model of an isotropic material in at most so many bytes.
+///
+/// The material is read at nodes that crowd at the mirror direction, all at azimuth φh = 0. Weights are such that the
+/// geometric mean of the errors of [`Fidelity`] falls. Which axis of θh and which offset of the logarithm suit the
+/// material is tried on fewer nodes.
+///
+/// # Errors
+///
+/// [`SplineError::Bytes`], [`SplineError::NoData`], [`SplineError::Stopped`].
+pub fn fit_splines(
+    brdf: &dyn Brdf,
+    settings: &SplineSettings,
+    job: &Job<'_>,
+) -> Result<SplineFit, SplineError> {
+    check_bytes(settings.bytes)?;
+    let channels = settings.channels.count();
+    let judges = Judges::new(brdf, settings);
+    let found = settings.symmetry.is_none().then(|| judges.asymmetry(brdf));
+    let symmetry = settings.symmetry.unwrap_or_else(|| symmetry_of(found));
+    let size = Size::for_bytes(settings.bytes, symmetry, channels);
+    let [trying, fitting] = job.split([1.0, 3.0]);
+
+    let nodes = Nodes::of_grid(brdf, Size::trial(size).grid, symmetry, channels);
+    check_data(&nodes)?;
+    let judge = |products: &Products, channels: &[Channel]| judges.score(products, channels);
+    let trials = try_axes(&nodes, Size::trial(size), symmetry, &judge, &trying)?;
+    let best = best(&trials);
+
+    let nodes = Nodes::of_grid(brdf, size.grid, symmetry, channels);
+    let mut made = finish(&nodes, size, symmetry, best, settings.bytes, &fitting)?;
+    made.trials = trials;
+    made.asymmetry = found;
+    Ok(made)
+}
+
+/// Returns the model of scattered samples of an isotropic material in at most so many bytes, or in fewer where there
+/// are few samples.
+///
+/// Samples are fitted as they are and count the same. Without [`SplineSettings::symmetry`] both symmetries are taken to
+/// hold, since few samples can tell. A fifth of the samples, every fifth in their order, judges the trials; the model
+/// is fitted to all of them.
+///
+/// # Errors
+///
+/// As [`fit_splines`].
+pub fn fit_spline_samples(
+    samples: &SampleSet,
+    settings: &SplineSettings,
+    job: &Job<'_>,
+) -> Result<SplineFit, SplineError> {
+    /// Bytes for each channel of a sample: half a coefficient.
+    const BYTES_PER_VALUE: usize = 1;
+    check_bytes(settings.bytes)?;
+    let symmetry = settings.symmetry.unwrap_or(Symmetry::Both);
+    let samples = match settings.channels {
+        Channels::Luminance => samples.to_luminance(),
+        Channels::Rgb => samples.clone(),
+    };
+    let channels = samples.channels().count();
+    let few = BYTES_PER_VALUE * channels * samples.len();
+    let bytes = settings.bytes.min(few.max(*SPLINE_BYTES.start()));
+    let size = Size::for_bytes(bytes, symmetry, channels);
+    let [trying, fitting] = job.split([1.0, 3.0]);
+
+    let (aside, kept): (Vec<usize>, Vec<usize>) =
+        (0..samples.len()).partition(|index| index % 5 == 4);
+    let (aside, kept) = (samples.select(&aside), samples.select(&kept));
+    let nodes = Nodes::of_samples(&kept);
+    check_data(&nodes)?;
+    let pairs: Vec<DirectionPair> = aside.pairs().collect();
+    let reference: Vec<Rgb> = (0..aside.len()).map(|index| aside.rgb(index)).collect();
+    let judge = |products: &Products, channels: &[Channel]| {
+        let found = evaluate(products, channels, &pairs);
+        let errors = FidelityErrors::of(&pairs, &reference, &found);
+        Fidelity { uniform: errors, highlight: errors }.score()
+    };
+    let trials = try_axes(&nodes, Size::trial(size), symmetry, &judge, &trying)?;
+    let nodes = Nodes::of_samples(&samples);
+    let mut made = finish(&nodes, size, symmetry, best(&trials), bytes, &fitting)?;
+    made.trials = trials;
+    Ok(made)
+}
+
+fn check_bytes(bytes: usize) -> Result<(), SplineError> {
+    if SPLINE_BYTES.contains(&bytes) {
+        return Ok(());
+    }
+    Err(SplineError::Bytes { bytes, min: *SPLINE_BYTES.start(), max: *SPLINE_BYTES.end() })
+}
+
+fn check_data(nodes: &Nodes) -> Result<(), SplineError> {
+    let is_black = nodes.nodes.iter().all(|node| node.value.iter().all(|v| *v <= 0.0));
+    if is_black { Err(SplineError::NoData { nodes: nodes.nodes.len() }) } else { Ok(()) }
+}
+
+fn best(trials: &[SplineTrial]) -> SplineTrial {
+    let first = SplineTrial { alpha: ALPHAS[1], offset: OFFSETS[1], score: f64::INFINITY };
+    trials.iter().fold(first, |best, trial| if trial.score < best.score { *trial } else { best })
+}
+
+fn symmetry_of(asymmetry: Option<[f64; 2]>) -> Symmetry {
+    let [mirror, exchange] = asymmetry.unwrap_or_default().map(|error| error < SYMMETRIC);
+    match (mirror, exchange) {
+        (true, true) => Symmetry::Both,
+        (true, false) => Symmetry::Mirror,
+        (false, true) => Symmetry::Reciprocal,
+        (false, false) => Symmetry::None,
+    }
+}
+
+/// How many functions a model has, and how many nodes they are fitted to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Size {
+    terms: usize,
+    half: usize,
+    difference: usize,
+    order: usize,
+    grid: NodeGrid,
+}
+
+impl Size {
+    /// Sizes that were the best at their bytes, for mirror symmetry and RGB: bytes, terms, splines over θh and θd, order
+    /// of harmonics, nodes over θh, θd and half a turn of φd.
+    const MEASURED: [[f64; 8]; 5] = [
+        [300.0, 3.0, 16.0, 5.0, 2.0, 96.0, 20.0, 12.0],
+        [1_000.0, 5.0, 28.0, 8.0, 4.0, 112.0, 26.0, 16.0],
+        [2_700.0, 8.0, 40.0, 12.0, 7.0, 128.0, 32.0, 20.0],
+        [8_192.0, 13.0, 56.0, 18.0, 8.0, 136.0, 40.0, 22.0],
+        [33_000.0, 22.0, 80.0, 28.0, 13.0, 192.0, 56.0, 28.0],
+    ];
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between numbers of the table"
+    )]
+    fn for_bytes(bytes: usize, symmetry: Symmetry, channels: usize) -> Self {
+        // What symmetry and grey save is spent on more functions.
+        let count = |symmetry: Symmetry| symmetry.harmonics(8).len() as f64;
+        let saved = count(Symmetry::Mirror) / count(symmetry) * if channels == 1 { 2.0 } else { 1.0 };
+        let bytes = bytes as f64 * saved.sqrt();
+        let table = &Self::MEASURED;
+        let above = (1..table.len() - 1).find(|&i| table[i][0] > bytes).unwrap_or(table.len() - 1);
+        let [low, high] = [table[above - 1], table[above]];
+        let t = ((bytes / low[0]).ln() / (high[0] / low[0]).ln()).clamp(0.0, 1.0);
+        let at = |i: usize| (low[i] + t * (high[i] - low[i])).round() as usize;
+        let order = at(4) + usize::from(symmetry.is_reciprocal() && at(4) % 2 == 1);
+        Self {
+            terms: at(1),
+            half: at(2),
+            difference: at(3),
+            order,
+            grid: NodeGrid { theta_h: at(5), theta_d: at(6), phi_d: at(7) },
+        }
+    }
+
+    /// A smaller size on fewer nodes, which ranks axes and offsets as the whole one does.
+    fn trial(size: Self) -> Self {
+        Self {
+            terms: size.terms.min(8),
+            half: size.half.min(40),
+            difference: size.difference.min(10),
+            order: size.order.min(4),
+            grid: NodeGrid { theta_h: 80, theta_d: 16, phi_d: 8 },
+        }
+    }
+
+    fn shape(self, alpha: f64, symmetry: Symmetry, channels: usize) -> Shape {
+        Shape {
+            terms: self.terms,
+            half: CubicBasis { count: self.half, is_even: true },
+            axis: HalfAxis { alpha: f64::from(narrow(alpha)) },
+            difference: CubicBasis { count: self.difference, is_even: false },
+            symmetry,
+            order: self.order,
+            channels,
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "what stands in a stream is f32")]
+fn narrow(value: f64) -> f32 {
+    value as f32
+}
+
+/// Offsets and ranges of values for nodes.
+fn channels_of(nodes: &Nodes, offset: f64) -> Vec<Channel> {
+    let mean = nodes.mean();
+    (0..nodes.channels)
+        .map(|c| {
+            let values = nodes.nodes.iter().map(|node| narrow(node.value[c]));
+            let range = values.fold([f32::MAX, 0.0], |[min, max], v| [v.min(min), v.max(max)]);
+            Channel { offset: narrow((offset * mean[c]).max(1e-12)), range }
+        })
+        .collect()
+}
+
+fn offsets_of(channels: &[Channel]) -> [f64; 3] {
+    std::array::from_fn(|c| channels.get(c).map_or(1.0, |channel| channel.offset.into()))
+}
+
+type Judge<'a> = &'a (dyn Fn(&Products, &[Channel]) -> f64 + Sync);
+
+fn try_axes(
+    nodes: &Nodes,
+    size: Size,
+    symmetry: Symmetry,
+    judge: Judge<'_>,
+    job: &Job<'_>,
+) -> Result<Vec<SplineTrial>, SplineError> {
+    job.begin("trying axes", (ALPHAS.len() + OFFSETS.len() - 1) as u64);
+    let run = |(alpha, offset): (f64, f64)| {
+        let channels = channels_of(nodes, offset);
+        let shape = size.shape(alpha, symmetry, nodes.channels);
+        let mut fit = Alternating::new(nodes, shape, offsets_of(&channels));
+        for step in 0..TRIAL_STEPS {
+            if job.is_stopped() {
+                break;
+            }
+            fit.step(step == 3);
+        }
+        job.advance(1);
+        SplineTrial { alpha, offset, score: judge(&fit.products, &channels) }
+    };
+    let mut trials: Vec<SplineTrial> =
+        ALPHAS.par_iter().map(|&alpha| run((alpha, OFFSETS[1]))).collect();
+    let alpha = best(&trials).alpha;
+    let others: Vec<(f64, f64)> =
+        [OFFSETS[0], OFFSETS[2]].into_iter().map(|offset| (alpha, offset)).collect();
+    trials.extend(others.into_par_iter().map(run).collect::<Vec<_>>());
+    job.check()?;
+    Ok(trials)
+}
+
+fn finish(
+    nodes: &Nodes,
+    size: Size,
+    symmetry: Symmetry,
+    trial: SplineTrial,
+    bytes: usize,
+    job: &Job<'_>,
+) -> Result<SplineFit, SplineError> {
+    let channels = channels_of(nodes, trial.offset);
+    let shape = size.shape(trial.alpha, symmetry, nodes.channels);
+    let mut fit = Alternating::new(nodes, shape, offsets_of(&channels));
+    job.begin("fitting splines", STEPS as u64 + 2);
+    for step in 0..STEPS {
+        job.check()?;
+        fit.step(REWEIGHED.contains(&step));
+        job.advance(1);
+    }
+    fit.order_terms();
+    fit.solve_difference();
+    job.check()?;
+    let quantized = quantize(&mut fit, &channels, bytes);
+    job.advance(2);
+    let zeros = nodes.nodes.iter().flat_map(|node| &node.value[..nodes.channels]);
+    Ok(SplineFit {
+        zeros: zeros.filter(|v| **v <= 0.0).count(),
+        model: SplineBrdf::new(&quantized, channels),
+        nodes: nodes.nodes.len(),
+        not_finite: nodes.not_finite,
+        trials: Vec::new(),
+        asymmetry: None,
+    })
+}
+
+/// Rounds coefficients as finely as the bytes allow.
+fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: usize) -> Quantized {
+    const ROUNDS: usize = 2;
+    const HALVINGS: usize = 7;
+    let start = fit.products.clone();
+    let shape = start.shape.clone();
+    let exponents: Vec<i8> = fit.term_sizes().iter().map(|size| exponent(size / HALF_STEP)).collect();
+    let mut guess = 0.035 * (2700.0 / bytes as f64).sqrt();
+    let mut found = None;
+    for round in 0..ROUNDS {
+        fit.reset(&start);
+        let mut steps =
+            Steps { half: narrow(guess), exponents: exponents.clone(), difference: narrow(guess) };
+        let half = fit.round_half(&fit.half_equations(), &steps.of_half());
+        let equations = fit.difference_equations();
+        let factor: f64 = if round == 0 { 32.0 } else { 2.0 };
+        let (mut low, mut high) = ((guess / factor).ln(), (guess * factor).ln());
+        let mut fits = None;
+        for halving in 0..HALVINGS + 8 {
+            let middle = if halving < HALVINGS { 0.5 * (low + high) } else { high };
+            steps.difference = narrow(middle.exp());
+            let difference = fit.round_difference(&equations, &steps.of_difference(&shape));
+            let made = Quantized {
+                shape: shape.clone(),
+                steps: steps.clone(),
+                half: half.clone(),
+                difference,
+            };
+            if stream(&made, channels).len() <= bytes {
+                (high, fits) = (middle, Some(made));
+            } else if halving < HALVINGS {
+                low = middle;
+            } else {
+                // Even the coarsest so far takes too many bytes.
+                high += 0.7;
+            }
+            if halving + 1 >= HALVINGS && fits.is_some() {
+                break;
+            }
+        }
+        guess = high.exp();
+        found = fits.or(found);
+    }
+    found.unwrap_or_else(|| {
+        let difference = vec![[0; 3]; shape.terms * shape.difference_len()];
+        let half = vec![0; shape.terms * shape.half.count];
+        Quantized { shape, steps: Steps { half: 1.0, exponents, difference: 1.0 }, half, difference }
+    })
+}
+
+/// The exponent of steps for terms of a size.
+#[expect(clippy::cast_possible_truncation, reason = "within the range of an i8")]
+fn exponent(size: f64) -> i8 {
+    (4.0 * size.max(1e-30).log2()).round().clamp(-127.0, 127.0) as i8
+}
+
+/// Returns the values of products that are not rounded.
+fn evaluate(products: &Products, channels: &[Channel], pairs: &[DirectionPair]) -> Vec<Rgb> {
+    let harmonics = products.shape.harmonics();
+    let values = pairs.iter().map(|pair| {
+        let angles = HalfDifference::from_pair(pair);
+        let y = products.eval_with(&harmonics, angles.theta_h, angles.theta_d, angles.phi_d);
+        match channels {
+            [grey] => Rgb::splat(grey.value(y[0])),
+            _ => Rgb::from(std::array::from_fn(|c| channels[c].value(y[c]))),
+        }
+    });
+    values.collect()
+}
+
+/// Pairs that are neither nodes nor what models are held out on, and the material there.
+struct Judges {
+    sets: [Vec<DirectionPair>; 2],
+    values: [Vec<Rgb>; 2],
+    is_grey: bool,
+}
+
+impl Judges {
+    fn new(brdf: &dyn Brdf, settings: &SplineSettings) -> Self {
+        let seed = ScrambledSobol::validation_seed(settings.seed);
+        let sampling = PairSampling { count: JUDGED_PAIRS, seed, theta_max: JUDGED_THETA };
+        let known = |pairs: Vec<DirectionPair>| -> Vec<DirectionPair> {
+            pairs.into_iter().filter(|p| brdf.has_data(p) && brdf.has_data(&p.swapped())).collect()
+        };
+        let uniform = known(sampling.pairs().collect());
+        let half = PairSampling { count: JUDGED_PAIRS / 2, ..sampling };
+        let highlight = known(half.highlight_pairs().collect());
+        let is_grey = settings.channels == Channels::Luminance;
+        let sets = [uniform, highlight];
+        let values = sets.each_ref().map(|pairs| values_at(brdf, pairs, is_grey));
+        Self { sets, values, is_grey }
+    }
+
+    /// Errors of the material against its mirror image, and against itself with directions exchanged.
+    fn asymmetry(&self, brdf: &dyn Brdf) -> [f64; 2] {
+        let mirrored = |pair: &DirectionPair| {
+            let flip = |mut w: glam::DVec3| {
+                w.y = -w.y;
+                w
+            };
+            DirectionPair::new(flip(pair.wi), flip(pair.wo))
+        };
+        [mirrored, DirectionPair::swapped].map(|change: fn(&DirectionPair) -> DirectionPair| {
+            self.judge(|pairs| {
+                let changed: Vec<DirectionPair> = pairs.iter().map(change).collect();
+                values_at(brdf, &changed, self.is_grey)
+            })
+        })
+    }
+
+    fn score(&self, products: &Products, channels: &[Channel]) -> f64 {
+        self.judge(|pairs| evaluate(products, channels, pairs))
+    }
+
+    fn judge(&self, values: impl Fn(&[DirectionPair]) -> Vec<Rgb>) -> f64 {
+        let [uniform, highlight] = [0, 1].map(|set| {
+            let pairs = &self.sets[set];
+            FidelityErrors::of(pairs, &self.values[set], &values(pairs))
+        });
+        Fidelity { uniform, highlight }.score()
+    }
+}
+
+fn values_at(brdf: &dyn Brdf, pairs: &[DirectionPair], is_grey: bool) -> Vec<Rgb> {
+    let mut values = Vec::new();
+    brdf.eval_pairs(pairs, &mut values);
+    if is_grey {
+        values.iter_mut().for_each(|value| *value = Rgb::splat(value.luminance()));
+    }
+    values
+}

@@ -1,0 +1,222 @@
+//! Where a material is known, and how much each place counts.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
+
+use brdf_model::{Brdf, Rgb, SampleSet};
+use brdf_param::{DirectionPair, HalfDifference};
+use rayon::prelude::*;
+
+use crate::harmonics::Symmetry;
+
+/// θh at which nodes change from even spacing to a geometric one, radians.
+const HALF_BEND: f64 = 0.008;
+/// Smallest cosine of a node's directions.
+const COSINE_MIN: f64 = 0.01;
+/// Beyond this angle nodes are there to keep the model sane, not to be judged, radians.
+const JUDGED: f64 = 80.0 * PI / 180.0;
+/// What they count beside the others.
+const BEYOND: f64 = 0.003;
+
+/// Numbers of nodes along each angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NodeGrid {
+    pub(crate) theta_h: usize,
+    pub(crate) theta_d: usize,
+    /// For each half turn.
+    pub(crate) phi_d: usize,
+}
+
+/// Angles of a node's difference vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Difference {
+    pub(crate) theta: f64,
+    pub(crate) phi: f64,
+}
+
+/// One value of the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node {
+    /// Index of its θh.
+    pub(crate) half: usize,
+    /// Value of each channel, sr⁻¹.
+    pub(crate) value: [f64; 3],
+    /// Cosine of the angle of incidence.
+    pub(crate) cosine: f64,
+    /// Share of uniform pairs, and of pairs half of which are around the mirror direction, that the node
+    /// stands for; each adds up to 1 over all nodes.
+    pub(crate) shares: [f64; 2],
+}
+
+/// The nodes that a model is fitted to, ordered by difference vector.
+#[derive(Clone, Debug)]
+pub(crate) struct Nodes {
+    /// θh of each distinct half vector.
+    pub(crate) halves: Vec<f64>,
+    pub(crate) differences: Vec<Difference>,
+    /// The nodes of each difference vector.
+    pub(crate) ranges: Vec<Range<usize>>,
+    pub(crate) nodes: Vec<Node>,
+    /// For each half vector: its nodes, and the difference vectors of those.
+    pub(crate) by_half: Vec<Vec<(u32, u32)>>,
+    /// Channels that are fitted: 1 or 3.
+    pub(crate) channels: usize,
+    /// Places without a finite value, which are no nodes.
+    pub(crate) not_finite: usize,
+}
+
+impl NodeGrid {
+    fn halves(self) -> impl Iterator<Item = (f64, f64)> {
+        let last = (FRAC_PI_2 / HALF_BEND).asinh();
+        midpoints(self.theta_h).map(move |t| {
+            let s = t * last;
+            (HALF_BEND * s.sinh(), HALF_BEND * s.cosh())
+        })
+    }
+
+    fn differences(self, symmetry: Symmetry) -> impl Iterator<Item = (Difference, f64)> {
+        let period = symmetry.period();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a small positive number"
+        )]
+        let azimuths = (self.phi_d as f64 * period / PI).ceil().max(4.0) as usize;
+        midpoints(self.theta_d).flat_map(move |v| {
+            let (theta, step) = (2.0 * v.atan(), 2.0 / (1.0 + v * v));
+            midpoints(azimuths).map(move |t| (Difference { theta, phi: t * period }, step))
+        })
+    }
+}
+
+/// The middles of equal parts of [0, 1].
+fn midpoints(count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |index| (index as f64 + 0.5) / count as f64)
+}
+
+impl Nodes {
+    /// Evaluates a material at the nodes of a grid; `channels` is 1 for luminance, else 3.
+    pub(crate) fn of_grid(
+        brdf: &dyn Brdf,
+        grid: NodeGrid,
+        symmetry: Symmetry,
+        channels: usize,
+    ) -> Self {
+        let halves: Vec<(f64, f64)> = grid.halves().collect();
+        let differences: Vec<(Difference, f64)> = grid.differences(symmetry).collect();
+        let columns: Vec<Vec<Node>> = differences
+            .par_iter()
+            .map(|&(difference, step_d)| {
+                let pairs: Vec<(usize, DirectionPair)> = halves
+                    .iter()
+                    .enumerate()
+                    .map(|(half, &(theta_h, _))| (half, pair(theta_h, difference)))
+                    .filter(|(_, pair)| {
+                        pair.wi.z.min(pair.wo.z) > COSINE_MIN && brdf.has_data(pair)
+                    })
+                    .collect();
+                let only: Vec<DirectionPair> = pairs.iter().map(|(_, pair)| *pair).collect();
+                let mut values = Vec::new();
+                brdf.eval_pairs(&only, &mut values);
+                let nodes = pairs.iter().zip(values).map(|(&(half, pair), value)| {
+                    let (theta_h, step_h) = halves[half];
+                    let shares = densities(theta_h, difference.theta, &pair);
+                    let shares = shares.map(|density| density * step_h * step_d);
+                    Node { half, value: of_channels(value, channels), cosine: pair.wi.z, shares }
+                });
+                nodes.collect()
+            })
+            .collect();
+        let halves = halves.into_iter().map(|(theta, _)| theta).collect();
+        let differences = differences.into_iter().map(|(difference, _)| difference).collect();
+        Self::new(halves, differences, columns, channels)
+    }
+
+    /// Takes measured rows as they are; every row counts the same.
+    pub(crate) fn of_samples(samples: &SampleSet) -> Self {
+        let channels = samples.channels().count();
+        let count = samples.len() as f64;
+        let angles: Vec<HalfDifference> =
+            samples.pairs().map(|pair| HalfDifference::from_pair(&pair)).collect();
+        let columns = (0..samples.len()).map(|index| {
+            let value = of_channels(samples.rgb(index), channels);
+            let cosine = samples.pair(index).wi.z;
+            vec![Node { half: index, value, cosine, shares: [1.0 / count; 2] }]
+        });
+        let halves = angles.iter().map(|angles| angles.theta_h).collect();
+        let differences =
+            angles.iter().map(|a| Difference { theta: a.theta_d, phi: a.phi_d }).collect();
+        Self::new(halves, differences, columns.collect(), channels)
+    }
+
+    fn new(
+        halves: Vec<f64>,
+        differences: Vec<Difference>,
+        columns: Vec<Vec<Node>>,
+        channels: usize,
+    ) -> Self {
+        let all: usize = columns.iter().map(Vec::len).sum();
+        let is_finite = |node: &Node| node.value.iter().all(|v| v.is_finite());
+        let columns: Vec<Vec<Node>> =
+            columns.into_iter().map(|c| c.into_iter().filter(is_finite).collect()).collect();
+        let mut start = 0;
+        let ranges = columns
+            .iter()
+            .map(|column| {
+                start += column.len();
+                start - column.len()..start
+            })
+            .collect();
+        let mut nodes: Vec<Node> = columns.into_iter().flatten().collect();
+        let totals = nodes.iter().fold([0.0; 2], |sum, node| {
+            [sum[0] + node.shares[0], sum[1] + node.shares[1]]
+        });
+        for node in &mut nodes {
+            let [uniform, mirror] = [0, 1].map(|set| node.shares[set] / totals[set]);
+            node.shares = [uniform, 0.5 * (uniform + mirror)];
+        }
+        let mut made =
+            Self { halves, differences, ranges, nodes, by_half: Vec::new(), channels, not_finite: 0 };
+        made.not_finite = all - made.nodes.len();
+        made.by_half = vec![Vec::new(); made.halves.len()];
+        for (difference, range) in made.ranges.iter().enumerate() {
+            for node in range.clone() {
+                #[expect(clippy::cast_possible_truncation, reason = "far fewer than 2^32 nodes")]
+                made.by_half[made.nodes[node].half].push((node as u32, difference as u32));
+            }
+        }
+        made
+    }
+
+    /// The mean value of each channel over uniform pairs.
+    pub(crate) fn mean(&self) -> [f64; 3] {
+        self.nodes.iter().fold([0.0; 3], |sum, node| {
+            std::array::from_fn(|c| sum[c] + node.shares[0] * node.value[c])
+        })
+    }
+}
+
+/// The pair of a node, with φh = 0.
+fn pair(theta_h: f64, difference: Difference) -> DirectionPair {
+    HalfDifference { theta_h, phi_h: 0.0, theta_d: difference.theta, phi_d: difference.phi }
+        .to_pair()
+}
+
+fn of_channels(value: Rgb, channels: usize) -> [f64; 3] {
+    match channels {
+        1 => [value.luminance().max(0.0), 0.0, 0.0],
+        _ => value.channels().map(|v| v.max(0.0)),
+    }
+}
+
+/// Densities over (θh, θd, φd) of pairs that are uniform on two parabolic discs, and of pairs around the
+/// mirror direction (θh = 90° u², wi uniform on its disc), up to factors.
+fn densities(theta_h: f64, theta_d: f64, pair: &DirectionPair) -> [f64; 2] {
+    let disc = |z: f64| 1.0 / ((1.0 + z) * (1.0 + z));
+    let (sin_d, cos_d) = theta_d.sin_cos();
+    let (zi, zo) = (pair.wi.z, pair.wo.z);
+    let beyond = if zi.min(zo) < JUDGED.cos() { BEYOND } else { 1.0 };
+    let uniform = 4.0 * cos_d * theta_h.sin() * sin_d * disc(zi) * disc(zo);
+    let mirror = sin_d * disc(zi) / theta_h.sqrt();
+    [uniform * beyond, mirror * beyond]
+}
