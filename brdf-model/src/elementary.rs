@@ -8,16 +8,18 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, PI};
 /// arctan on [0, tan π/8] by its odd Taylor polynomial of degree 15 after one reduction by π/4.
 #[inline(always)]
 pub fn angle(y: f32, x: f32) -> f32 {
-    let (small, large) = (y.min(x.abs()), y.max(x.abs()));
-    let ratio = small / large.max(1e-30);
+    let (small, large) = (y.min(x.abs()), y.max(x.abs()).max(1e-30));
     // arctan r = π/4 + arctan((r − 1)/(r + 1)) above tan π/8.
-    let is_steep = ratio > 0.414_213_56;
-    let reduced = if is_steep { (ratio - 1.0) / (ratio + 1.0) } else { ratio };
-    let s = reduced * reduced;
+    let is_steep = small > 0.414_213_56 * large;
+    let above = if is_steep { small - large } else { small };
+    let below = if is_steep { small + large } else { large };
+    let first = if is_steep { FRAC_PI_4 } else { 0.0 };
+    let ratio = above / below;
+    let s = ratio * ratio;
     let tail = 1.0 / 9.0 - s * (1.0 / 11.0 - s * (1.0 / 13.0 - s * (1.0 / 15.0)));
-    let series = reduced * (1.0 - s * (1.0 / 3.0 - s * (1.0 / 5.0 - s * (1.0 / 7.0 - s * tail))));
-    let first = if is_steep { FRAC_PI_4 + series } else { series };
-    let quarter = if y > x.abs() { FRAC_PI_2 - first } else { first };
+    let series = 1.0 / 3.0 - s * (1.0 / 5.0 - s * (1.0 / 7.0 - s * tail));
+    let eighth = first + ratio * (1.0 - s * series);
+    let quarter = if y > x.abs() { FRAC_PI_2 - eighth } else { eighth };
     if x < 0.0 { PI - quarter } else { quarter }
 }
 
@@ -26,17 +28,15 @@ pub fn angle(y: f32, x: f32) -> f32 {
 /// The exponent by its bits, the rest by the series of ln((1 + s)/(1 − s)).
 #[inline(always)]
 pub fn ln(x: f32) -> f32 {
+    /// √½: mantissas run from there to √2, so that s stays below 0.172.
+    const LEAST: u32 = 0x3f35_04f3;
     let bits = x.to_bits();
-    let exponent = ((bits >> 23) & 0xff) as f32 - 127.0;
-    let mantissa = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000);
-    // About √2, so that s stays below 0.172.
-    let is_large = mantissa > std::f32::consts::SQRT_2;
-    let (mantissa, exponent) =
-        if is_large { (0.5 * mantissa, exponent + 1.0) } else { (mantissa, exponent) };
+    let exponent = bits.wrapping_sub(LEAST).cast_signed() >> 23;
+    let mantissa = f32::from_bits(bits.wrapping_sub(exponent.cast_unsigned() << 23));
     let s = (mantissa - 1.0) / (mantissa + 1.0);
     let q = s * s;
-    let series = 2.0 * s * (1.0 + q * (1.0 / 3.0 + q * (1.0 / 5.0 + q * (1.0 / 7.0 + q / 9.0))));
-    exponent * LN_2 + series
+    let series = 1.0 + q * (1.0 / 3.0 + q * (1.0 / 5.0 + q * (1.0 / 7.0 + q * (1.0 / 9.0))));
+    exponent as f32 * LN_2 + 2.0 * s * series
 }
 
 /// Returns eˣ to 2 units in the last place, for |x| ≤ 87; beyond, it saturates.

@@ -1,17 +1,18 @@
 //! Alternating least squares: the splines over θh, then the coefficients over θd and φd, and again.
 //!
-//! Both halves of a step see the nodes through sums over the other angle, so that a step costs
+//! Both halves of a step see the nodes through sums over the other angle, which are matrix products: a step costs
 //! `nodes × terms²` once, however often its equations are swept. Terms are solved one after another
 //! (Gauss–Seidel): solved together they fit a little better and cancel each other, which costs bits.
 
+use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{Llt, SolveCore as _};
-use faer::{Conj, Mat, Side};
+use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side};
 use rayon::prelude::*;
 
 use crate::basis::{CubicBasis, Taps};
 use crate::nodes::Nodes;
 use crate::products::{DifferenceRow, Products, Shape};
-use crate::weights::{first_weights, next_weights};
+use crate::weights::Weights;
 
 /// Times that terms take their turn in each half of a step.
 const SWEEPS: usize = 3;
@@ -19,6 +20,9 @@ const SWEEPS: usize = 3;
 const ROUGHNESS: f64 = 1e-6;
 /// Weight of harmonics of order m: this times m⁴, relative to that of second differences.
 const HARMONIC_ROUGHNESS: f64 = 0.1;
+/// Columns of a matrix product that are made together: fixed, so that results do not depend on the number of
+/// threads.
+const COLUMNS: usize = 64;
 
 /// A fit under way.
 pub(crate) struct Alternating<'a> {
@@ -29,6 +33,7 @@ pub(crate) struct Alternating<'a> {
     rows: Vec<DifferenceRow>,
     /// ln(a + f) of each node.
     targets: Vec<[f64; 3]>,
+    weighing: Weights,
     weights: Vec<f64>,
     /// g of each half vector and term.
     half: Vec<f64>,
@@ -36,11 +41,35 @@ pub(crate) struct Alternating<'a> {
     difference: Vec<[f64; 3]>,
 }
 
-/// Sums over the nodes of one point of a side: of weights times products of the other side's terms, and of
-/// weights times those terms times what is to be fitted.
-struct PointSums {
+/// Sums over one side's points, for each point of the other side: of weights times products of two terms, and of
+/// weights times terms times what is to be fitted.
+struct Sums {
+    terms: usize,
+    /// The lower triangle of pairs of terms, row by row, for each point.
     products: Vec<f64>,
+    /// For each point and term; where terms have channels, those of the target.
     targets: Vec<[f64; 3]>,
+}
+
+/// Where the product of two terms stands in a lower triangle.
+fn pair_at(a: usize, b: usize) -> usize {
+    let (low, high) = (a.min(b), a.max(b));
+    high * (high + 1) / 2 + low
+}
+
+impl Sums {
+    fn pairs(&self) -> usize {
+        self.terms * (self.terms + 1) / 2
+    }
+
+    /// The sum for two terms at a point.
+    fn product(&self, point: usize, a: usize, b: usize) -> f64 {
+        self.products[point * self.pairs() + pair_at(a, b)]
+    }
+
+    fn target(&self, point: usize, term: usize) -> [f64; 3] {
+        self.targets[point * self.terms + term]
+    }
 }
 
 impl<'a> Alternating<'a> {
@@ -64,11 +93,13 @@ impl<'a> Alternating<'a> {
         });
         let half = half.collect();
         let difference = vec![[0.0; 3]; shape.terms * shape.difference_len()];
+        let weighing = Weights::new(nodes, offsets);
         let mut made = Self {
             nodes,
             offsets,
             targets: targets.collect(),
-            weights: first_weights(nodes, offsets),
+            weights: weighing.first(nodes),
+            weighing,
             half: Vec::new(),
             difference: vec![[0.0; 3]; rows.len() * shape.terms],
             taps,
@@ -122,26 +153,66 @@ impl<'a> Alternating<'a> {
     }
 
     /// Present y of every node.
-    pub(crate) fn predictions(&self) -> Vec<[f64; 3]> {
+    fn predictions(&self) -> Vec<[f64; 3]> {
         let terms = self.terms();
-        let columns: Vec<Vec<[f64; 3]>> = self
-            .nodes
-            .ranges
-            .par_iter()
-            .enumerate()
-            .map(|(index, range)| {
-                let other = &self.difference[index * terms..(index + 1) * terms];
-                let nodes = &self.nodes.nodes[range.clone()];
-                let y = nodes.iter().map(|node| {
-                    let half = &self.half[node.half * terms..(node.half + 1) * terms];
-                    half.iter().zip(other).fold([0.0; 3], |sum, (half, other)| {
-                        std::array::from_fn(|c| sum[c] + half * other[c])
-                    })
-                });
-                y.collect()
+        let halves = self.nodes.halves.len();
+        let y = |half: usize, difference: usize| {
+            let half = &self.half[half * terms..(half + 1) * terms];
+            let other = &self.difference[difference * terms..(difference + 1) * terms];
+            half.iter().zip(other).fold([0.0; 3], |sum, (half, other)| {
+                std::array::from_fn(|c| sum[c] + half * other[c])
             })
-            .collect();
-        columns.concat()
+        };
+        let of = |node: usize| {
+            if self.nodes.is_grid { y(node % halves, node / halves) } else { y(node, node) }
+        };
+        (0..self.nodes.nodes.len()).into_par_iter().map(of).collect()
+    }
+
+    /// Sum of the weights of each half vector, or of each difference vector.
+    fn totals(&self, of_halves: bool) -> Vec<f64> {
+        let halves = self.nodes.halves.len();
+        match (self.nodes.is_grid, of_halves) {
+            (false, _) => self.weights.clone(),
+            (true, false) => self.weights.chunks_exact(halves).map(|w| w.iter().sum()).collect(),
+            (true, true) => self.weights.chunks_exact(halves).fold(vec![0.0; halves], |mut sum, w| {
+                sum.iter_mut().zip(w).for_each(|(sum, w)| *sum += w);
+                sum
+            }),
+        }
+    }
+
+    /// Weights times the target of a channel, of each node.
+    fn weighted_targets(&self, channel: usize) -> Vec<f64> {
+        self.weights.iter().zip(&self.targets).map(|(w, y)| w * y[channel]).collect()
+    }
+
+    /// Returns, for each point of one side, what nodes add up to: columns of `functions` (one for each point of the
+    /// other side) times the nodes' weights.
+    fn sum_over_nodes(&self, functions: &[f64], weights: &[f64], over_halves: bool) -> Vec<f64> {
+        let (halves, differences) = (self.nodes.halves.len(), self.nodes.differences.len());
+        if !self.nodes.is_grid {
+            let rows = functions.len() / weights.len();
+            let columns = functions.chunks_exact(rows).zip(weights);
+            return columns.flat_map(|(column, w)| column.iter().map(move |f| f * w)).collect();
+        }
+        let weights = MatRef::from_column_major_slice(weights, halves, differences);
+        let weights = if over_halves { weights } else { weights.transpose() };
+        let rows = functions.len() / weights.nrows();
+        let functions = MatRef::from_column_major_slice(functions, rows, weights.nrows());
+        let mut sums = vec![0.0; rows * weights.ncols()];
+        sums.par_chunks_mut(rows * COLUMNS).enumerate().for_each(|(block, sums)| {
+            let columns = sums.len() / rows;
+            matmul(
+                MatMut::from_column_major_slice_mut(sums, rows, columns),
+                Accum::Replace,
+                functions,
+                weights.subcols(block * COLUMNS, columns),
+                1.0,
+                Par::Seq,
+            );
+        });
+        sums
     }
 
     /// Weighs nodes by the present errors.
@@ -149,7 +220,7 @@ impl<'a> Alternating<'a> {
     /// Where a channel is 0 and the model is below, it is right: values end at 0.
     fn reweigh(&mut self) {
         let predicted = self.predictions();
-        self.weights = next_weights(self.nodes, self.offsets, &predicted);
+        self.weights = self.weighing.next(self.nodes, &predicted);
         for ((target, node), y) in self.targets.iter_mut().zip(&self.nodes.nodes).zip(&predicted) {
             for c in 0..self.nodes.channels {
                 if node.value[c] <= 0.0 {
@@ -162,12 +233,7 @@ impl<'a> Alternating<'a> {
     /// Makes the splines over θh orthonormal under the weights of the nodes, so that terms have one scale.
     fn orthonormalize(&mut self) {
         let terms = self.terms();
-        let totals: Vec<f64> = self
-            .nodes
-            .by_half
-            .iter()
-            .map(|nodes| nodes.iter().map(|&(node, _)| self.weights[node as usize]).sum())
-            .collect();
+        let totals = self.totals(true);
         let gram = Mat::from_fn(terms, terms, |i, j| {
             let halves = self.half.chunks_exact(terms).zip(&totals);
             let sum: f64 = halves.map(|(half, weight)| weight * half[i] * half[j]).sum();
@@ -203,8 +269,7 @@ impl<'a> Alternating<'a> {
     pub(crate) fn order_terms(&mut self) {
         self.orthonormalize();
         let terms = self.terms();
-        let weights: Vec<f64> =
-            self.nodes.ranges.iter().map(|range| self.weights[range.clone()].iter().sum()).collect();
+        let weights = self.totals(false);
         let energy = Mat::from_fn(terms, terms, |i, j| {
             let points = self.difference.chunks_exact(terms).zip(&weights);
             points
@@ -252,31 +317,24 @@ impl<'a> Alternating<'a> {
     pub(crate) fn difference_equations(&self) -> DifferenceEquations {
         let (terms, shape) = (self.terms(), &self.products.shape);
         let (length, harmonics) = (shape.difference_len(), shape.harmonics());
-        let sums: Vec<PointSums> = self
-            .nodes
-            .ranges
-            .par_iter()
-            .map(|range| {
-                let mut sums = PointSums::new(terms);
-                for at in range.clone() {
-                    let half = self.nodes.nodes[at].half;
-                    let half = &self.half[half * terms..(half + 1) * terms];
-                    sums.add_half(self.weights[at], half, self.targets[at]);
-                }
-                sums
-            })
+        let squares: Vec<f64> = self
+            .half
+            .chunks_exact(terms)
+            .flat_map(|g| (0..terms).flat_map(move |a| (0..=a).map(move |b| g[a] * g[b])))
             .collect();
+        let products = self.sum_over_nodes(&squares, &self.weights, true);
+        let mut targets = vec![[0.0; 3]; self.rows.len() * terms];
+        for channel in 0..self.nodes.channels {
+            let sums = self.sum_over_nodes(&self.half, &self.weighted_targets(channel), true);
+            targets.iter_mut().zip(sums).for_each(|(target, sum)| target[channel] = sum);
+        }
+        let sums = Sums { terms, products, targets };
         let count = harmonics.len();
         let systems = (0..terms)
             .into_par_iter()
             .map(|term| {
                 let mut gram = Mat::<f64>::zeros(length, length);
-                for (row, sums) in self.rows.iter().zip(&sums) {
-                    let weight = sums.products[term * terms + term];
-                    if weight > 0.0 {
-                        add_square(&mut gram, row, weight);
-                    }
-                }
+                add_squares(&mut gram, &self.rows, |point| sums.product(point, term, term));
                 let mean = (0..length).map(|i| gram[(i, i)]).sum::<f64>() / length as f64;
                 let ridge = ROUGHNESS * mean + f64::MIN_POSITIVE;
                 for (harmonic, function) in harmonics.iter().enumerate() {
@@ -306,15 +364,16 @@ impl<'a> Alternating<'a> {
         let length = self.products.shape.difference_len();
         let system = equations.systems[term].as_ref()?;
         let mut side = vec![[0.0; 3]; length];
-        for (index, (row, sums)) in self.rows.iter().zip(&equations.sums).enumerate() {
-            let others = &self.difference[index * terms..(index + 1) * terms];
-            let products = &sums.products[term * terms..(term + 1) * terms];
-            let own = products[term];
-            let rest =
-                products.iter().zip(others).fold(sums.targets[term], |rest, (weight, other)| {
-                    std::array::from_fn(|c| rest[c] - weight * other[c])
-                });
-            let rest = std::array::from_fn(|c| rest[c] + own * others[term][c]);
+        let sums = &equations.sums;
+        for (point, row) in self.rows.iter().enumerate() {
+            let others = &self.difference[point * terms..(point + 1) * terms];
+            let mut rest = sums.target(point, term);
+            for (other, value) in others.iter().enumerate().filter(|(other, _)| *other != term) {
+                let product = sums.product(point, term, other);
+                for (rest, value) in rest.iter_mut().zip(value) {
+                    *rest -= product * value;
+                }
+            }
             row.add_to(rest, &mut side);
         }
         let channels = self.nodes.channels;
@@ -379,42 +438,28 @@ impl<'a> Alternating<'a> {
     pub(crate) fn half_equations(&self) -> HalfEquations {
         let terms = self.terms();
         let basis = self.products.shape.half;
-        let outer: Vec<Vec<f64>> = self
+        let squares: Vec<f64> = self
             .difference
-            .par_chunks_exact(terms)
-            .map(|point| {
-                let pairs = point.iter().flat_map(|a| {
-                    point.iter().map(move |b| a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
-                });
-                pairs.collect()
+            .chunks_exact(terms)
+            .flat_map(|p| {
+                let product = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+                (0..terms).flat_map(move |a| (0..=a).map(move |b| product(p[a], p[b])))
             })
             .collect();
-        let sums: Vec<(Vec<f64>, Vec<f64>)> = self
-            .nodes
-            .by_half
-            .par_iter()
-            .map(|nodes| {
-                let (mut products, mut targets) = (vec![0.0; terms * terms], vec![0.0; terms]);
-                for &(node, difference) in nodes {
-                    let (node, difference) = (node as usize, difference as usize);
-                    let (weight, y) = (self.weights[node], self.targets[node]);
-                    for (sum, value) in products.iter_mut().zip(&outer[difference]) {
-                        *sum += weight * value;
-                    }
-                    let point = &self.difference[difference * terms..(difference + 1) * terms];
-                    for (sum, value) in targets.iter_mut().zip(point) {
-                        *sum += weight * (value[0] * y[0] + value[1] * y[1] + value[2] * y[2]);
-                    }
-                }
-                (products, targets)
-            })
-            .collect();
+        let products = self.sum_over_nodes(&squares, &self.weights, false);
+        let mut targets = vec![[0.0; 3]; self.taps.len() * terms];
+        for channel in 0..self.nodes.channels {
+            let own: Vec<f64> = self.difference.iter().map(|p| p[channel]).collect();
+            let sums = self.sum_over_nodes(&own, &self.weighted_targets(channel), false);
+            targets.iter_mut().zip(sums).for_each(|(target, sum)| target[0] += sum);
+        }
+        let sums = Sums { terms, products, targets };
         let systems = (0..terms)
             .into_par_iter()
             .map(|term| {
                 let mut gram = Mat::<f64>::zeros(basis.count, basis.count);
-                for (taps, (products, _)) in self.taps.iter().zip(&sums) {
-                    let weight = products[term * terms + term];
+                for (point, taps) in self.taps.iter().enumerate() {
+                    let weight = sums.product(point, term, term);
                     for (&i, a) in taps.at.iter().zip(taps.weights) {
                         for (&j, b) in taps.at.iter().zip(taps.weights) {
                             gram[(i, j)] += weight * a * b;
@@ -438,13 +483,13 @@ impl<'a> Alternating<'a> {
         let (terms, count) = (self.terms(), self.products.shape.half.count);
         let system = equations.systems[term].as_ref()?;
         let mut side = Mat::<f64>::zeros(count, 1);
-        for (index, (taps, (products, targets))) in
-            self.taps.iter().zip(&equations.sums).enumerate()
-        {
-            let half = &self.half[index * terms..(index + 1) * terms];
-            let products = &products[term * terms..(term + 1) * terms];
-            let all: f64 = products.iter().zip(half).map(|(a, b)| a * b).sum();
-            let rest = targets[term] - all + products[term] * half[term];
+        let sums = &equations.sums;
+        for (point, taps) in self.taps.iter().enumerate() {
+            let half = &self.half[point * terms..(point + 1) * terms];
+            let others = half.iter().enumerate().filter(|(other, _)| *other != term);
+            let known: f64 =
+                others.map(|(other, value)| sums.product(point, term, other) * value).sum();
+            let rest = sums.target(point, term)[0] - known;
             for (&at, weight) in taps.at.iter().zip(taps.weights) {
                 side[(at, 0)] += weight * rest;
             }
@@ -482,8 +527,7 @@ impl<'a> Alternating<'a> {
     pub(crate) fn term_sizes(&self) -> Vec<f64> {
         let terms = self.terms();
         let mut sums = vec![0.0; terms];
-        for (point, range) in self.difference.chunks_exact(terms).zip(&self.nodes.ranges) {
-            let weight: f64 = self.weights[range.clone()].iter().sum();
+        for (point, weight) in self.difference.chunks_exact(terms).zip(self.totals(false)) {
             for (sum, v) in sums.iter_mut().zip(point) {
                 *sum += weight * v.iter().map(|v| v * v).sum::<f64>();
             }
@@ -495,13 +539,13 @@ impl<'a> Alternating<'a> {
 
 /// Sums over nodes and factored matrices for the coefficients over θd and φd.
 pub(crate) struct DifferenceEquations {
-    sums: Vec<PointSums>,
+    sums: Sums,
     systems: Vec<Option<Llt<f64>>>,
 }
 
 /// Sums over nodes and factored matrices for the splines over θh.
 pub(crate) struct HalfEquations {
-    sums: Vec<(Vec<f64>, Vec<f64>)>,
+    sums: Sums,
     systems: Vec<Option<Llt<f64>>>,
 }
 
@@ -536,40 +580,31 @@ pub(crate) fn from_opponent([mean, warm, magenta]: [f64; 3]) -> [f64; 3] {
     [a + b + c, a - 2.0 * c, a - b + c]
 }
 
-impl PointSums {
-    fn new(terms: usize) -> Self {
-        Self { products: vec![0.0; terms * terms], targets: vec![[0.0; 3]; terms] }
-    }
-
-    fn add_half(&mut self, weight: f64, half: &[f64], target: [f64; 3]) {
-        let terms = half.len();
-        for ((row, target_sum), value) in
-            self.products.chunks_exact_mut(terms).zip(&mut self.targets).zip(half)
-        {
-            let own = weight * value;
-            for (sum, other) in row.iter_mut().zip(half) {
-                *sum += own * other;
+/// Adds weights times the squares of rows to the lower triangle.
+///
+/// Rows with the same splines over θd, which follow each other on a grid, are first added up over φd.
+fn add_squares(gram: &mut Mat<f64>, rows: &[DifferenceRow], weight: impl Fn(usize) -> f64) {
+    let count = rows.first().map_or(0, |row| row.harmonics.len());
+    let mut angular = vec![0.0; count * count];
+    let mut point = 0;
+    for group in rows.chunk_by(|a, b| a.taps == b.taps) {
+        angular.fill(0.0);
+        for row in group {
+            let weight = weight(point);
+            for (line, a) in angular.chunks_exact_mut(count).zip(&row.harmonics) {
+                for (sum, b) in line.iter_mut().zip(&row.harmonics) {
+                    *sum += weight * a * b;
+                }
             }
-            for (sum, y) in target_sum.iter_mut().zip(target) {
-                *sum += own * y;
-            }
+            point += 1;
         }
-    }
-}
-
-/// Adds `weight` times the square of a row to the lower triangle.
-fn add_square(gram: &mut Mat<f64>, row: &DifferenceRow, weight: f64) {
-    let count = row.harmonics.len();
-    for (&j, b) in row.taps.at.iter().zip(row.taps.weights) {
-        for (m, harmonic) in row.harmonics.iter().enumerate() {
-            let value = weight * b * harmonic;
-            let column = gram.col_as_slice_mut(j * count + m);
-            for (&i, a) in row.taps.at.iter().zip(row.taps.weights) {
-                if i >= j {
+        let taps = &group[0].taps;
+        for (&j, b) in taps.at.iter().zip(taps.weights) {
+            for (m, line) in angular.chunks_exact(count).enumerate() {
+                let column = gram.col_as_slice_mut(j * count + m);
+                for (&i, a) in taps.at.iter().zip(taps.weights).filter(|(i, _)| **i >= j) {
                     let own = &mut column[i * count..(i + 1) * count];
-                    for (sum, other) in own.iter_mut().zip(&row.harmonics) {
-                        *sum += value * a * other;
-                    }
+                    own.iter_mut().zip(line).for_each(|(sum, value)| *sum += a * b * value);
                 }
             }
         }

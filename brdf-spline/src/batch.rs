@@ -55,9 +55,15 @@ impl pulp::NullaryFnOnce for Evaluate<'_> {
             }
             let places = places(tables, &wi, &wo);
             let mut sums = [[0.0; TILE]; 3];
-            match tables.channels {
-                1 => (0..len).for_each(|lane| read::<1>(tables, &places, lane, &mut sums)),
-                _ => (0..len).for_each(|lane| read::<3>(tables, &places, lane, &mut sums)),
+            // No closures here: what is not inlined is not compiled for the wide vectors.
+            if tables.channels == 1 {
+                for lane in 0..len {
+                    read::<1>(tables, &places, lane, &mut sums);
+                }
+            } else {
+                for lane in 0..len {
+                    read::<3>(tables, &places, lane, &mut sums);
+                }
             }
             for (channel, transform) in model.transforms().iter().enumerate() {
                 finish(&mut sums[channel], *transform, &wi[2], &wo[2]);
@@ -87,31 +93,51 @@ fn places(tables: &Tables, wi: &[Lane; 3], wo: &[Lane; 3]) -> Places {
     let per_half = (half_nodes - 1) as f32 / narrow(tables.axis.length());
     let per_row = (rows - 1) as f32;
     let per_column = (columns - 1) as f32 / narrow(tables.symmetry.period());
+    // Loops of one kind of arithmetic each: what the compiler makes vectors of.
+    let (mut across, mut up, mut length) = ([0.0; TILE], [0.0; TILE], [0.0; TILE]);
+    let (mut along, mut beside) = ([0.0; TILE], [0.0; TILE]);
     for lane in 0..TILE {
-        let h: [f32; 3] = std::array::from_fn(|axis| wi[axis][lane] + wo[axis][lane]);
-        let d: [f32; 3] = std::array::from_fn(|axis| wi[axis][lane] - wo[axis][lane]);
-        let across = (h[0] * h[0] + h[1] * h[1]).sqrt();
-        let length = (across * across + h[2] * h[2]).max(1e-30).sqrt();
-        let theta_h = angle(across, h[2]);
-        let scaled = theta_h * alpha;
-        places.half[lane] = ln(scaled + (scaled * scaled + 1.0).sqrt()) * per_half;
-        places.known[lane] = (theta_h * narrow(1.0 / FADE)).min(1.0);
+        let (hx, hy) = (wi[0][lane] + wo[0][lane], wi[1][lane] + wo[1][lane]);
+        let hz = wi[2][lane] + wo[2][lane];
+        let (dx, dy) = (wi[0][lane] - wo[0][lane], wi[1][lane] - wo[1][lane]);
+        let dz = wi[2][lane] - wo[2][lane];
+        let flat = hx * hx + hy * hy;
+        across[lane] = flat.sqrt();
+        up[lane] = hz;
+        length[lane] = (flat + hz * hz).sqrt();
         // tan(θd/2) = sin θd / (1 + cos θd), both from lengths.
-        let sine = 0.5 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-        let tangent = (sine / (1.0 + 0.5 * length)).min(1.0);
+        let sine = 0.5 * (dx * dx + dy * dy + dz * dz).sqrt();
+        let tangent = (sine / (1.0 + 0.5 * length[lane])).min(1.0);
         places.row[lane] = tangent * tangent.sqrt() * per_row;
-        let inverse = 1.0 / across.max(1e-30);
-        let along = (h[0] * d[0] + h[1] * d[1]) * inverse * h[2] - d[2] * across;
-        let beside = (h[0] * d[1] - h[1] * d[0]) * inverse * length;
-        let phi = angle(beside.abs(), along);
-        let folded = match tables.symmetry {
-            Symmetry::Mirror => phi,
-            Symmetry::Both => phi.min(PI - phi),
-            Symmetry::Reciprocal if beside < 0.0 => PI - phi,
-            Symmetry::None if beside < 0.0 => TAU - phi,
-            Symmetry::Reciprocal | Symmetry::None => phi,
-        };
-        places.column[lane] = folded * per_column;
+        let inverse = 1.0 / across[lane].max(1e-30);
+        along[lane] = (hx * dx + hy * dy) * inverse * hz - dz * across[lane];
+        beside[lane] = (hx * dy - hy * dx) * inverse * length[lane];
+    }
+    for lane in 0..TILE {
+        let theta_h = angle(across[lane], up[lane]);
+        places.known[lane] = (theta_h * narrow(1.0 / FADE)).min(1.0);
+        places.half[lane] = theta_h * alpha;
+    }
+    for half in &mut places.half {
+        *half = ln(*half + (*half * *half + 1.0).sqrt()) * per_half;
+    }
+    // What a turn to the other side of h does to φd, and what half a turn does.
+    let (other_side, is_folded) = match tables.symmetry {
+        Symmetry::Mirror => (None, false),
+        Symmetry::Both => (None, true),
+        Symmetry::Reciprocal => (Some(PI), false),
+        Symmetry::None => (Some(TAU), false),
+    };
+    for lane in 0..TILE {
+        let phi = angle(beside[lane].abs(), along[lane]);
+        let phi = if is_folded { phi.min(PI - phi) } else { phi };
+        places.column[lane] = phi * per_column;
+    }
+    if let Some(turn) = other_side {
+        for (column, beside) in places.column.iter_mut().zip(&beside) {
+            let other = turn * per_column - *column;
+            *column = if *beside < 0.0 { other } else { *column };
+        }
     }
     places
 }
@@ -139,17 +165,21 @@ fn read<const CHANNELS: usize>(
     let (column, right) = cell(places.column[lane], columns - 1);
     let (below, above) = tables.half[half * terms..][..2 * terms].split_at(terms);
     let stride = CHANNELS * terms;
-    let node = |row: usize, column: usize| {
-        &tables.difference[(row * (columns + 1) + column) * stride..][..stride]
-    };
+    let line = (columns + 1) * stride;
+    let corner = row * line + column * stride;
+    let upper = &tables.difference[corner..corner + 2 * stride];
+    let lower = &tables.difference[corner + line..corner + line + 2 * stride];
     let corners =
-        [node(row, column), node(row, column + 1), node(row + 1, column), node(row + 1, column + 1)];
+        [&upper[..stride], &upper[stride..], &lower[..stride], &lower[stride..]];
     let weights =
         [(1.0 - down) * (1.0 - right), (1.0 - down) * right, down * (1.0 - right), down * right];
     let mut found = sum::<CHANNELS>([below, above], along, corners, weights);
     let known = places.known[lane];
     if known < 1.0 {
-        let means = [node(row, columns), node(row, columns), node(row + 1, columns), node(row + 1, columns)];
+        let at = row * line + columns * stride;
+        let (upper, lower) =
+            (&tables.difference[at..at + stride], &tables.difference[at + line..at + line + stride]);
+        let means = [upper, upper, lower, lower];
         let mean = sum::<CHANNELS>([below, above], along, means, weights);
         for (found, mean) in found.iter_mut().zip(mean) {
             *found = known * *found + (1.0 - known) * mean;
@@ -168,26 +198,28 @@ fn sum<const CHANNELS: usize>(
     corners: [&[f32]; 4],
     weights: [f32; 4],
 ) -> [f32; CHANNELS] {
-    let terms = half[0].len();
-    let mut sums = [[0.0_f32; 4]; CHANNELS];
-    let mut first = 0;
-    while first < terms {
-        let four = |values: &[f32], at: usize| -> [f32; 4] {
-            values.get(at..at + 4).and_then(|v| v.try_into().ok()).unwrap_or_default()
-        };
-        let (below, above) = (four(half[0], first), four(half[1], first));
-        let g: [f32; 4] = std::array::from_fn(|i| below[i] + along * (above[i] - below[i]));
-        for (channel, sum) in sums.iter_mut().enumerate() {
-            let at = channel * terms + first;
-            let [a, b, c, d] = corners.map(|corner| four(corner, at));
-            for i in 0..4 {
-                let read = (weights[0] * a[i] + weights[1] * b[i]) + (weights[2] * c[i] + weights[3] * d[i]);
-                sum[i] += g[i] * read;
+    let [below, above] = [half[0].as_chunks::<4>().0, half[1].as_chunks::<4>().0];
+    let [a, b, c, d] = corners;
+    let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
+    let (c, d) = (c.as_chunks::<4>().0, d.as_chunks::<4>().0);
+    let fours = below.len();
+    let mut found = [0.0; CHANNELS];
+    for (channel, found) in found.iter_mut().enumerate() {
+        let own = channel * fours..(channel + 1) * fours;
+        let (a, b) = (&a[own.clone()], &b[own.clone()]);
+        let (c, d) = (&c[own.clone()], &d[own]);
+        let mut sum = [0.0_f32; 4];
+        for i in 0..fours {
+            for lane in 0..4 {
+                let g = below[i][lane] + along * (above[i][lane] - below[i][lane]);
+                let read = (weights[0] * a[i][lane] + weights[1] * b[i][lane])
+                    + (weights[2] * c[i][lane] + weights[3] * d[i][lane]);
+                sum[lane] += g * read;
             }
         }
-        first += 4;
+        *found = (sum[0] + sum[1]) + (sum[2] + sum[3]);
     }
-    sums.map(|sum| (sum[0] + sum[1]) + (sum[2] + sum[3]))
+    found
 }
 
 /// Brings logarithms back to values, 0 where a direction is not above the surface.

@@ -177,8 +177,8 @@ fn check_bytes(bytes: usize) -> Result<(), SplineError> {
 }
 
 fn check_data(nodes: &Nodes) -> Result<(), SplineError> {
-    let is_black = nodes.nodes.iter().all(|node| node.value.iter().all(|v| *v <= 0.0));
-    if is_black { Err(SplineError::NoData { nodes: nodes.nodes.len() }) } else { Ok(()) }
+    let is_black = nodes.known().all(|node| node.value.iter().all(|v| *v <= 0.0));
+    if is_black { Err(SplineError::NoData { nodes: nodes.known().count() }) } else { Ok(()) }
 }
 
 fn best(trials: &[SplineTrial]) -> SplineTrial {
@@ -276,7 +276,7 @@ fn channels_of(nodes: &Nodes, offset: f64) -> Vec<Channel> {
     let mean = nodes.mean();
     (0..nodes.channels)
         .map(|c| {
-            let values = nodes.nodes.iter().map(|node| narrow(node.value[c]));
+            let values = nodes.known().map(|node| narrow(node.value[c]));
             let range = values.fold([f32::MAX, 0.0], |[min, max], v| [v.min(min), v.max(max)]);
             Channel { offset: narrow((offset * mean[c]).max(1e-12)), range }
         })
@@ -342,11 +342,11 @@ fn finish(
     job.check()?;
     let quantized = quantize(&mut fit, &channels, bytes);
     job.advance(2);
-    let zeros = nodes.nodes.iter().flat_map(|node| &node.value[..nodes.channels]);
+    let zeros = nodes.known().flat_map(|node| &node.value[..nodes.channels]);
     Ok(SplineFit {
         zeros: zeros.filter(|v| **v <= 0.0).count(),
         model: SplineBrdf::new(&quantized, channels),
-        nodes: nodes.nodes.len(),
+        nodes: nodes.known().count(),
         not_finite: nodes.not_finite,
         trials: Vec::new(),
         asymmetry: None,

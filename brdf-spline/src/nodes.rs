@@ -1,7 +1,6 @@
 //! Where a material is known, and how much each place counts.
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::ops::Range;
 
 use brdf_model::{Brdf, Rgb, SampleSet};
 use brdf_param::{DirectionPair, HalfDifference};
@@ -35,33 +34,36 @@ pub(crate) struct Difference {
 }
 
 /// One value of the material.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Node {
-    /// Index of its θh.
-    pub(crate) half: usize,
     /// Value of each channel, sr⁻¹.
     pub(crate) value: [f64; 3],
     /// Cosine of the angle of incidence.
     pub(crate) cosine: f64,
     /// Share of uniform pairs, and of pairs half of which are around the mirror direction, that the node
-    /// stands for; each adds up to 1 over all nodes.
+    /// stands for; each adds up to 1 over all nodes. Both are 0 where nothing is known.
     pub(crate) shares: [f64; 2],
 }
 
-/// The nodes that a model is fitted to, ordered by difference vector.
+impl Node {
+    pub(crate) fn is_known(&self) -> bool {
+        self.shares[0] > 0.0
+    }
+}
+
+/// The nodes that a model is fitted to.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
     /// θh of each distinct half vector.
     pub(crate) halves: Vec<f64>,
     pub(crate) differences: Vec<Difference>,
-    /// The nodes of each difference vector.
-    pub(crate) ranges: Vec<Range<usize>>,
+    /// Whether every half vector meets every difference vector, or each just its own.
+    pub(crate) is_grid: bool,
+    /// On a grid, those of a difference vector together.
     pub(crate) nodes: Vec<Node>,
-    /// For each half vector: its nodes, and the difference vectors of those.
-    pub(crate) by_half: Vec<Vec<(u32, u32)>>,
     /// Channels that are fitted: 1 or 3.
     pub(crate) channels: usize,
-    /// Places without a finite value, which are no nodes.
+    /// Places without a finite value, which are left out.
     pub(crate) not_finite: usize,
 }
 
@@ -107,6 +109,7 @@ impl Nodes {
         let columns: Vec<Vec<Node>> = differences
             .par_iter()
             .map(|&(difference, step_d)| {
+                let mut column = vec![Node::default(); halves.len()];
                 let pairs: Vec<(usize, DirectionPair)> = halves
                     .iter()
                     .enumerate()
@@ -118,74 +121,63 @@ impl Nodes {
                 let only: Vec<DirectionPair> = pairs.iter().map(|(_, pair)| *pair).collect();
                 let mut values = Vec::new();
                 brdf.eval_pairs(&only, &mut values);
-                let nodes = pairs.iter().zip(values).map(|(&(half, pair), value)| {
+                for (&(half, pair), value) in pairs.iter().zip(values) {
                     let (theta_h, step_h) = halves[half];
                     let shares = densities(theta_h, difference.theta, &pair);
                     let shares = shares.map(|density| density * step_h * step_d);
-                    Node { half, value: of_channels(value, channels), cosine: pair.wi.z, shares }
-                });
-                nodes.collect()
+                    let value = of_channels(value, channels);
+                    column[half] = Node { value, cosine: pair.wi.z, shares };
+                }
+                column
             })
             .collect();
         let halves = halves.into_iter().map(|(theta, _)| theta).collect();
         let differences = differences.into_iter().map(|(difference, _)| difference).collect();
-        Self::new(halves, differences, columns, channels)
+        Self::new(halves, differences, true, columns.concat(), channels)
     }
 
     /// Takes measured rows as they are; every row counts the same.
     pub(crate) fn of_samples(samples: &SampleSet) -> Self {
         let channels = samples.channels().count();
-        let count = samples.len() as f64;
         let angles: Vec<HalfDifference> =
             samples.pairs().map(|pair| HalfDifference::from_pair(&pair)).collect();
-        let columns = (0..samples.len()).map(|index| {
+        let nodes = (0..samples.len()).map(|index| {
             let value = of_channels(samples.rgb(index), channels);
-            let cosine = samples.pair(index).wi.z;
-            vec![Node { half: index, value, cosine, shares: [1.0 / count; 2] }]
+            Node { value, cosine: samples.pair(index).wi.z, shares: [1.0; 2] }
         });
         let halves = angles.iter().map(|angles| angles.theta_h).collect();
         let differences =
             angles.iter().map(|a| Difference { theta: a.theta_d, phi: a.phi_d }).collect();
-        Self::new(halves, differences, columns.collect(), channels)
+        Self::new(halves, differences, false, nodes.collect(), channels)
     }
 
     fn new(
         halves: Vec<f64>,
         differences: Vec<Difference>,
-        columns: Vec<Vec<Node>>,
+        is_grid: bool,
+        mut nodes: Vec<Node>,
         channels: usize,
     ) -> Self {
-        let all: usize = columns.iter().map(Vec::len).sum();
-        let is_finite = |node: &Node| node.value.iter().all(|v| v.is_finite());
-        let columns: Vec<Vec<Node>> =
-            columns.into_iter().map(|c| c.into_iter().filter(is_finite).collect()).collect();
-        let mut start = 0;
-        let ranges = columns
-            .iter()
-            .map(|column| {
-                start += column.len();
-                start - column.len()..start
-            })
-            .collect();
-        let mut nodes: Vec<Node> = columns.into_iter().flatten().collect();
+        let mut not_finite = 0;
+        for node in &mut nodes {
+            if node.value.iter().any(|v| !v.is_finite()) {
+                not_finite += 1;
+                *node = Node::default();
+            }
+        }
         let totals = nodes.iter().fold([0.0; 2], |sum, node| {
             [sum[0] + node.shares[0], sum[1] + node.shares[1]]
         });
-        for node in &mut nodes {
+        for node in nodes.iter_mut().filter(|node| node.is_known()) {
             let [uniform, mirror] = [0, 1].map(|set| node.shares[set] / totals[set]);
             node.shares = [uniform, 0.5 * (uniform + mirror)];
         }
-        let mut made =
-            Self { halves, differences, ranges, nodes, by_half: Vec::new(), channels, not_finite: 0 };
-        made.not_finite = all - made.nodes.len();
-        made.by_half = vec![Vec::new(); made.halves.len()];
-        for (difference, range) in made.ranges.iter().enumerate() {
-            for node in range.clone() {
-                #[expect(clippy::cast_possible_truncation, reason = "far fewer than 2^32 nodes")]
-                made.by_half[made.nodes[node].half].push((node as u32, difference as u32));
-            }
-        }
-        made
+        Self { halves, differences, is_grid, nodes, channels, not_finite }
+    }
+
+    /// The nodes with data.
+    pub(crate) fn known(&self) -> impl Iterator<Item = &Node> {
+        self.nodes.iter().filter(|node| node.is_known())
     }
 
     /// The mean value of each channel over uniform pairs.

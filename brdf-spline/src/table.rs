@@ -7,9 +7,9 @@ use crate::warp::{HalfAxis, difference_angle, difference_axis};
 /// Nodes along the axis of θh.
 const HALF_NODES: usize = 512;
 /// Nodes for each spline along the axis of θd.
-const NODES_PER_SPLINE: usize = 5;
+const NODES_PER_SPLINE: usize = 3;
 /// Nodes for each quarter of a turn of the harmonic of largest order.
-const NODES_PER_QUARTER: usize = 4;
+const NODES_PER_QUARTER: usize = 3;
 /// θh below which the azimuth of the difference vector means less and less, radians. At θh = 0 it means nothing:
 /// without this the value in the mirror direction would depend on rounding.
 pub(crate) const FADE: f64 = 1e-5;

@@ -1,93 +1,139 @@
 //! How much a residual of logarithms counts at each node: as much as the measures of a fit say.
 
+use rayon::prelude::*;
+
 use crate::nodes::{Node, Nodes};
 
 /// Weights of nodes never exceed this many times their median, relative to their share of pairs.
 const CAP: f64 = 30.0;
 /// Measures: displays, cube roots, energy, logarithms.
 const MEASURES: usize = 4;
+/// Nodes whose sums are taken together: fixed, so that results do not depend on the number of threads.
+const BLOCK: usize = 4096;
 
-/// Values of a node under the four measures of [`brdf_model::FidelityErrors`].
+/// Values of a node under the measures, and what they change with y = ln(a + f).
+pub(crate) struct Weights {
+    offsets: [f64; 3],
+    wanted: Vec<[[f64; MEASURES]; 3]>,
+    /// Squared slopes, means over channels.
+    slopes: Vec<[f64; MEASURES]>,
+}
+
+/// A value under the four measures of [`brdf_model::FidelityErrors`].
 fn measures(node: &Node, value: f64, offset: f64) -> [f64; MEASURES] {
     let lit = node.cosine * value.max(0.0);
-    [lit.ln_1p(), lit.cbrt(), node.cosine.sqrt() * value, (offset + value).max(f64::MIN_POSITIVE).ln()]
+    let shifted = (offset + value.max(0.0)).ln();
+    [lit.ln_1p(), lit.cbrt(), node.cosine.sqrt() * value, shifted]
 }
 
 /// Derivatives of the measures by y = ln(a + f).
-fn slopes(node: &Node, offset: f64, value: f64) -> [f64; MEASURES] {
+fn slopes(node: &Node, value: f64, offset: f64) -> [f64; MEASURES] {
     let (a, c) = (offset + value, node.cosine);
     [c * a / (1.0 + c * value), (c * a).cbrt() / 3.0, c.sqrt() * a, 1.0]
 }
 
-/// Returns weights for a first fit: squared slopes of the measures, each brought to the same mean.
-pub(crate) fn first_weights(nodes: &Nodes, offsets: [f64; 3]) -> Vec<f64> {
-    /// Energy depends on the brightest nodes alone.
-    const SHARES: [f64; MEASURES] = [1.0, 1.0, 0.3, 1.0];
-    let squares = squared_slopes(nodes, offsets);
-    let count = squares.len().max(1) as f64;
-    let means: [f64; MEASURES] = std::array::from_fn(|m| {
-        squares.iter().map(|square| square[m]).sum::<f64>() / count
-    });
-    let values: Vec<f64> = squares
-        .iter()
-        .map(|square| (0..MEASURES).map(|m| SHARES[m] * square[m] / means[m].max(1e-300)).sum())
-        .collect();
-    let shares = nodes.nodes.iter().map(|node| node.shares[1] + node.shares[0]);
-    capped(values).into_iter().zip(shares).map(|(value, share)| value * share).collect()
-}
+impl Weights {
+    pub(crate) fn new(nodes: &Nodes, offsets: [f64; 3]) -> Self {
+        let channels = nodes.channels;
+        let of = |node: &Node| {
+            let (mut wanted, mut squares) = ([[0.0; MEASURES]; 3], [0.0; MEASURES]);
+            for c in 0..channels {
+                wanted[c] = measures(node, node.value[c], offsets[c]);
+                let slopes = slopes(node, node.value[c], offsets[c]);
+                for (sum, slope) in squares.iter_mut().zip(slopes) {
+                    *sum += slope * slope / channels as f64;
+                }
+            }
+            (wanted, squares)
+        };
+        let (wanted, slopes) = nodes.nodes.par_iter().map(of).unzip();
+        Self { offsets, wanted, slopes }
+    }
 
-/// Returns weights whose least squares lower the geometric mean of the measures over both sets of pairs:
-/// each measure's squares over their present mean. `predicted` are the present y of every node.
-pub(crate) fn next_weights(nodes: &Nodes, offsets: [f64; 3], predicted: &[[f64; 3]]) -> Vec<f64> {
-    let squares = squared_slopes(nodes, offsets);
-    let mut means = [[1e-12; MEASURES]; 2];
-    for (node, y) in nodes.nodes.iter().zip(predicted) {
-        for c in 0..nodes.channels {
-            let value = y[c].exp() - offsets[c];
-            let found = measures(node, value, offsets[c]);
-            let wanted = measures(node, node.value[c], offsets[c]);
+    /// Returns weights for a first fit: squared slopes of the measures, each brought to the same mean.
+    pub(crate) fn first(&self, nodes: &Nodes) -> Vec<f64> {
+        /// Energy depends on the brightest nodes alone.
+        const PARTS: [f64; MEASURES] = [1.0, 1.0, 0.3, 1.0];
+        let known = || nodes.nodes.iter().zip(&self.slopes).filter(|(node, _)| node.is_known());
+        let count = known().count().max(1) as f64;
+        let sums = known().fold([0.0; MEASURES], |sum, (_, squares)| {
+            std::array::from_fn(|m| sum[m] + squares[m])
+        });
+        let factors =
+            std::array::from_fn(|m| PARTS[m] * count / sums[m].max(f64::MIN_POSITIVE));
+        self.weights(nodes, [factors; 2])
+    }
+
+    /// Returns weights whose least squares lower the geometric mean of the measures over both sets of pairs: each
+    /// measure's squares over their present mean. `predicted` are the present y of every node.
+    pub(crate) fn next(&self, nodes: &Nodes, predicted: &[[f64; 3]]) -> Vec<f64> {
+        let errors: Vec<[[f64; MEASURES]; 2]> = nodes
+            .nodes
+            .par_chunks(BLOCK)
+            .zip(predicted.par_chunks(BLOCK))
+            .zip(self.wanted.par_chunks(BLOCK))
+            .map(|((nodes, predicted), wanted)| {
+                let mut sums = [[0.0; MEASURES]; 2];
+                for ((node, y), wanted) in nodes.iter().zip(predicted).zip(wanted) {
+                    self.add_squares(node, y, wanted, &mut sums);
+                }
+                sums
+            })
+            .collect();
+        let factors = [0, 1].map(|set| {
+            std::array::from_fn(|m| {
+                let mean: f64 = errors.iter().map(|sums| sums[set][m]).sum();
+                1.0 / mean.max(1e-12)
+            })
+        });
+        self.weights(nodes, factors)
+    }
+
+    fn add_squares(
+        &self,
+        node: &Node,
+        y: &[f64; 3],
+        wanted: &[[f64; MEASURES]; 3],
+        sums: &mut [[f64; MEASURES]; 2],
+    ) {
+        if !node.is_known() {
+            return;
+        }
+        for ((y, wanted), offset) in y.iter().zip(wanted).zip(self.offsets) {
+            let found = measures(node, y.exp() - offset, offset);
             for m in 0..MEASURES {
                 let square = (found[m] - wanted[m]) * (found[m] - wanted[m]);
-                for set in 0..2 {
-                    means[set][m] += node.shares[set] * square;
+                for (sums, share) in sums.iter_mut().zip(node.shares) {
+                    sums[m] += share * square;
                 }
             }
         }
     }
-    let weights = [0, 1].map(|set| {
-        let own = squares.iter().map(|square| {
-            (0..MEASURES).map(|m| square[m] / means[set][m]).sum::<f64>()
-        });
-        capped(own.collect())
-    });
-    let both = weights[0].iter().zip(&weights[1]).zip(&nodes.nodes);
-    both.map(|((a, b), node)| a * node.shares[0] + b * node.shares[1]).collect()
-}
 
-/// Squared slopes, means over channels.
-fn squared_slopes(nodes: &Nodes, offsets: [f64; 3]) -> Vec<[f64; MEASURES]> {
-    let channels = nodes.channels;
-    nodes
-        .nodes
-        .iter()
-        .map(|node| {
-            let mut sum = [0.0; MEASURES];
-            for (&value, offset) in node.value[..channels].iter().zip(offsets) {
-                for (sum, slope) in sum.iter_mut().zip(slopes(node, offset, value)) {
-                    *sum += slope * slope / channels as f64;
-                }
+    /// Weights in which the squares of a measure count by a factor for each set of pairs.
+    fn weights(&self, nodes: &Nodes, factors: [[f64; MEASURES]; 2]) -> Vec<f64> {
+        let mut weights = vec![0.0; nodes.nodes.len()];
+        for (set, factors) in factors.iter().enumerate() {
+            let of = |squares: &[f64; MEASURES]| -> f64 {
+                squares.iter().zip(factors).map(|(square, factor)| square * factor).sum()
+            };
+            let mut known: Vec<f64> = nodes
+                .nodes
+                .iter()
+                .zip(&self.slopes)
+                .filter(|(node, _)| node.is_known())
+                .map(|(_, squares)| of(squares))
+                .collect();
+            let middle = known.len() / 2;
+            let cap = match known.len() {
+                0 => continue,
+                _ => CAP * *known.select_nth_unstable_by(middle, f64::total_cmp).1,
+            };
+            let nodes = nodes.nodes.iter().zip(&self.slopes);
+            for (weight, (node, squares)) in weights.iter_mut().zip(nodes) {
+                *weight += of(squares).min(cap) * node.shares[set];
             }
-            sum
-        })
-        .collect()
-}
-
-fn capped(mut values: Vec<f64>) -> Vec<f64> {
-    let mut sorted = values.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
-    for value in &mut values {
-        *value = value.min(CAP * median);
+        }
+        weights
     }
-    values
 }
