@@ -114,7 +114,8 @@ impl FidelityPairs {
     /// in radians.
     pub fn new(seed: u64, theta_max: f64) -> Self {
         let sampling = PairSampling { count: FIDELITY_PAIRS, seed, theta_max };
-        let half = PairSampling { count: FIDELITY_PAIRS / 2, seed: seed ^ 0x6d69_7272_6f72, theta_max };
+        let half =
+            PairSampling { count: FIDELITY_PAIRS / 2, seed: seed ^ 0x6d69_7272_6f72, theta_max };
         let highlight = half.pairs().chain(half.highlight_pairs()).collect();
         Self { uniform: sampling.pairs().collect(), highlight }
     }

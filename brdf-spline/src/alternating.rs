@@ -175,10 +175,12 @@ impl<'a> Alternating<'a> {
         match (self.nodes.is_grid, of_halves) {
             (false, _) => self.weights.clone(),
             (true, false) => self.weights.chunks_exact(halves).map(|w| w.iter().sum()).collect(),
-            (true, true) => self.weights.chunks_exact(halves).fold(vec![0.0; halves], |mut sum, w| {
-                sum.iter_mut().zip(w).for_each(|(sum, w)| *sum += w);
-                sum
-            }),
+            (true, true) => {
+                self.weights.chunks_exact(halves).fold(vec![0.0; halves], |mut sum, w| {
+                    sum.iter_mut().zip(w).for_each(|(sum, w)| *sum += w);
+                    sum
+                })
+            }
         }
     }
 
@@ -293,10 +295,11 @@ impl<'a> Alternating<'a> {
         let before = self.products.difference.clone();
         for new in 0..terms {
             for at in 0..length {
-                self.products.difference[new * length + at] = (0..terms).fold([0.0; 3], |sum, old| {
-                    let other = before[old * length + at];
-                    std::array::from_fn(|c| sum[c] + turn(new, old) * other[c])
-                });
+                self.products.difference[new * length + at] =
+                    (0..terms).fold([0.0; 3], |sum, old| {
+                        let other = before[old * length + at];
+                        std::array::from_fn(|c| sum[c] + turn(new, old) * other[c])
+                    });
             }
         }
         self.read_half();
@@ -342,8 +345,7 @@ impl<'a> Alternating<'a> {
                     let order = function.order as f64;
                     for j in 0..shape.difference.count {
                         let at = j * count + harmonic;
-                        gram[(at, at)] +=
-                            ridge * (HARMONIC_ROUGHNESS * order.powi(4) + 1e-6);
+                        gram[(at, at)] += ridge * (HARMONIC_ROUGHNESS * order.powi(4) + 1e-6);
                     }
                 }
                 gram.llt(Side::Lower).ok()
@@ -365,7 +367,7 @@ impl<'a> Alternating<'a> {
         let system = equations.systems[term].as_ref()?;
         let mut side = vec![[0.0; 3]; length];
         let sums = &equations.sums;
-        for (point, row) in self.rows.iter().enumerate() {
+        let rest_at = |point: usize| {
             let others = &self.difference[point * terms..(point + 1) * terms];
             let mut rest = sums.target(point, term);
             for (other, value) in others.iter().enumerate().filter(|(other, _)| *other != term) {
@@ -374,6 +376,11 @@ impl<'a> Alternating<'a> {
                     *rest -= product * value;
                 }
             }
+            rest
+        };
+        let points = (0..self.rows.len()).into_par_iter().with_min_len(COLUMNS * 4);
+        let rests: Vec<[f64; 3]> = points.map(rest_at).collect();
+        for (row, rest) in self.rows.iter().zip(rests) {
             row.add_to(rest, &mut side);
         }
         let channels = self.nodes.channels;
@@ -406,7 +413,8 @@ impl<'a> Alternating<'a> {
         for term in 0..self.terms() {
             let Some(solution) = self.term_solution(equations, term) else { continue };
             let Some(system) = &equations.systems[term] else { continue };
-            let wanted: Vec<[f64; 3]> = solution.into_iter().map(to_opponent).collect();
+            let wanted: Vec<[f64; 3]> =
+                solution.into_iter().map(|v| to_opponent(v, self.nodes.channels)).collect();
             let own = &mut rounded[term * length..(term + 1) * length];
             for colour in 0..self.nodes.channels {
                 let wanted: Vec<f64> = wanted.iter().map(|v| v[colour]).collect();
@@ -414,7 +422,7 @@ impl<'a> Alternating<'a> {
                 own.iter_mut().zip(found).for_each(|(own, found)| own[colour] = found);
             }
             let held = own.iter().zip(steps).map(|(own, step)| {
-                from_opponent(own.map(|v| f64::from(v) * step))
+                from_opponent(own.map(|v| f64::from(v) * step), self.nodes.channels)
             });
             let held = held.collect();
             self.set_difference(term, held);
@@ -466,8 +474,7 @@ impl<'a> Alternating<'a> {
                         }
                     }
                 }
-                let mean =
-                    (0..basis.count).map(|i| gram[(i, i)]).sum::<f64>() / basis.count as f64;
+                let mean = (0..basis.count).map(|i| gram[(i, i)]).sum::<f64>() / basis.count as f64;
                 let ridge = ROUGHNESS * mean + f64::MIN_POSITIVE;
                 smooth(&mut gram, basis, ridge, |j| j);
                 for i in 0..basis.count {
@@ -569,13 +576,19 @@ fn nearest_plane(system: &Llt<f64>, wanted: &[f64], step: impl Fn(usize) -> f64)
     rounded
 }
 
-/// A colour as its mean and two differences, orthonormal.
-pub(crate) fn to_opponent([r, g, b]: [f64; 3]) -> [f64; 3] {
+/// A colour as its mean and two differences, orthonormal; a single channel as it is.
+pub(crate) fn to_opponent([r, g, b]: [f64; 3], channels: usize) -> [f64; 3] {
+    if channels == 1 {
+        return [r, 0.0, 0.0];
+    }
     [(r + g + b) / 3_f64.sqrt(), (r - b) / 2_f64.sqrt(), (r - 2.0 * g + b) / 6_f64.sqrt()]
 }
 
 /// The colour of [`to_opponent`].
-pub(crate) fn from_opponent([mean, warm, magenta]: [f64; 3]) -> [f64; 3] {
+pub(crate) fn from_opponent([mean, warm, magenta]: [f64; 3], channels: usize) -> [f64; 3] {
+    if channels == 1 {
+        return [mean, 0.0, 0.0];
+    }
     let (a, b, c) = (mean / 3_f64.sqrt(), warm / 2_f64.sqrt(), magenta / 6_f64.sqrt());
     [a + b + c, a - 2.0 * c, a - b + c]
 }

@@ -169,16 +169,17 @@ fn read<const CHANNELS: usize>(
     let corner = row * line + column * stride;
     let upper = &tables.difference[corner..corner + 2 * stride];
     let lower = &tables.difference[corner + line..corner + line + 2 * stride];
-    let corners =
-        [&upper[..stride], &upper[stride..], &lower[..stride], &lower[stride..]];
+    let corners = [&upper[..stride], &upper[stride..], &lower[..stride], &lower[stride..]];
     let weights =
         [(1.0 - down) * (1.0 - right), (1.0 - down) * right, down * (1.0 - right), down * right];
     let mut found = sum::<CHANNELS>([below, above], along, corners, weights);
     let known = places.known[lane];
     if known < 1.0 {
         let at = row * line + columns * stride;
-        let (upper, lower) =
-            (&tables.difference[at..at + stride], &tables.difference[at + line..at + line + stride]);
+        let (upper, lower) = (
+            &tables.difference[at..at + stride],
+            &tables.difference[at + line..at + line + stride],
+        );
         let means = [upper, upper, lower, lower];
         let mean = sum::<CHANNELS>([below, above], along, means, weights);
         for (found, mean) in found.iter_mut().zip(mean) {

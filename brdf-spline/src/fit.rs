@@ -225,7 +225,8 @@ impl Size {
     fn for_bytes(bytes: usize, symmetry: Symmetry, channels: usize) -> Self {
         // What symmetry and grey save is spent on more functions.
         let count = |symmetry: Symmetry| symmetry.harmonics(8).len() as f64;
-        let saved = count(Symmetry::Mirror) / count(symmetry) * if channels == 1 { 2.0 } else { 1.0 };
+        let saved =
+            count(Symmetry::Mirror) / count(symmetry) * if channels == 1 { 2.0 } else { 1.0 };
         let bytes = bytes as f64 * saved.sqrt();
         let table = &Self::MEASURED;
         let above = (1..table.len() - 1).find(|&i| table[i][0] > bytes).unwrap_or(table.len() - 1);
@@ -359,7 +360,8 @@ fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: usize) -> Qu
     const HALVINGS: usize = 7;
     let start = fit.products.clone();
     let shape = start.shape.clone();
-    let exponents: Vec<i8> = fit.term_sizes().iter().map(|size| exponent(size / HALF_STEP)).collect();
+    let exponents: Vec<i8> =
+        fit.term_sizes().iter().map(|size| exponent(size / HALF_STEP)).collect();
     let mut guess = 0.035 * (2700.0 / bytes as f64).sqrt();
     let mut found = None;
     for round in 0..ROUNDS {
@@ -399,7 +401,12 @@ fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: usize) -> Qu
     found.unwrap_or_else(|| {
         let difference = vec![[0; 3]; shape.terms * shape.difference_len()];
         let half = vec![0; shape.terms * shape.half.count];
-        Quantized { shape, steps: Steps { half: 1.0, exponents, difference: 1.0 }, half, difference }
+        Quantized {
+            shape,
+            steps: Steps { half: 1.0, exponents, difference: 1.0 },
+            half,
+            difference,
+        }
     })
 }
 

@@ -46,7 +46,13 @@ impl Symmetry {
         use std::f64::consts::{PI, TAU};
         let turned = |phi: f64| if phi < 0.0 { phi + PI } else { phi };
         match self {
-            Self::None => if phi < 0.0 { phi + TAU } else { phi },
+            Self::None => {
+                if phi < 0.0 {
+                    phi + TAU
+                } else {
+                    phi
+                }
+            }
             Self::Mirror => phi.abs(),
             Self::Reciprocal => turned(phi),
             Self::Both => {

@@ -229,11 +229,12 @@ struct Head<'a> {
 
 impl<'a> Head<'a> {
     fn take(&mut self, count: usize) -> Result<&'a [u8], SplineError> {
-        let (taken, rest) = self.rest.split_at_checked(count).ok_or_else(|| SplineError::Stream {
-            what: "bytes left of the head of a spline stream:",
-            found: self.rest.len().to_string(),
-            expected: "a whole head",
-        })?;
+        let (taken, rest) =
+            self.rest.split_at_checked(count).ok_or_else(|| SplineError::Stream {
+                what: "bytes left of the head of a spline stream:",
+                found: self.rest.len().to_string(),
+                expected: "a whole head",
+            })?;
         self.rest = rest;
         Ok(taken)
     }

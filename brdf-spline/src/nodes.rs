@@ -165,9 +165,9 @@ impl Nodes {
                 *node = Node::default();
             }
         }
-        let totals = nodes.iter().fold([0.0; 2], |sum, node| {
-            [sum[0] + node.shares[0], sum[1] + node.shares[1]]
-        });
+        let totals = nodes
+            .iter()
+            .fold([0.0; 2], |sum, node| [sum[0] + node.shares[0], sum[1] + node.shares[1]]);
         for node in nodes.iter_mut().filter(|node| node.is_known()) {
             let [uniform, mirror] = [0, 1].map(|set| node.shares[set] / totals[set]);
             node.shares = [uniform, 0.5 * (uniform + mirror)];

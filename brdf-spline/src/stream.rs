@@ -44,7 +44,9 @@ impl Steps {
         (0..shape.difference.count)
             .flat_map(|j| {
                 let sin = difference_angle(shape.difference.place(j)).sin();
-                harmonics.iter().map(move |harmonic| step / harmonic.envelope(sin).max(LEAST_ENVELOPE))
+                harmonics
+                    .iter()
+                    .map(move |harmonic| step / harmonic.envelope(sin).max(LEAST_ENVELOPE))
             })
             .collect()
     }
@@ -57,9 +59,13 @@ impl Quantized {
         let half = self.half.iter().enumerate().map(|(i, &v)| f64::from(v) * steps[i / count]);
         let steps = self.steps.of_difference(&self.shape);
         let difference = self.difference.iter().enumerate().map(|(i, v)| {
-            from_opponent(v.map(|v| f64::from(v) * steps[i % steps.len()]))
+            from_opponent(v.map(|v| f64::from(v) * steps[i % steps.len()]), self.shape.channels)
         });
-        Products { shape: self.shape.clone(), half: half.collect(), difference: difference.collect() }
+        Products {
+            shape: self.shape.clone(),
+            half: half.collect(),
+            difference: difference.collect(),
+        }
     }
 
     /// Returns the coded integers.
@@ -97,7 +103,8 @@ impl Quantized {
                 let mut own: [Vec<i32>; 3] = Default::default();
                 for colour in 0..self.shape.channels {
                     let at = |j: usize| j * harmonics.len() + m;
-                    let mut line: Vec<i32> = (0..splines).map(|j| difference[at(j)][colour]).collect();
+                    let mut line: Vec<i32> =
+                        (0..splines).map(|j| difference[at(j)][colour]).collect();
                     let above = match m.checked_sub(1) {
                         Some(above) => lines.get(above),
                         None => before.first(),
@@ -136,10 +143,7 @@ struct Models {
 
 impl Default for Models {
     fn default() -> Self {
-        Self {
-            magnitudes: [[Magnitudes::default(); SIZES]; 3],
-            guesses: [[Bit::default(); 2]; 3],
-        }
+        Self { magnitudes: [[Magnitudes::default(); SIZES]; 3], guesses: [[Bit::default(); 2]; 3] }
     }
 }
 
@@ -153,8 +157,11 @@ impl Models {
         above: Option<&[i32]>,
     ) -> Vec<i32> {
         let cheapest = (0..GUESSES).min_by_key(|&guessing| {
-            let rests = (0..line.len()).map(|i| line[i].saturating_sub(guess(guessing, &line[..i])));
-            rests.map(|rest| u64::from(u32::BITS - rest.unsigned_abs().leading_zeros())).sum::<u64>()
+            let rests =
+                (0..line.len()).map(|i| line[i].saturating_sub(guess(guessing, &line[..i])));
+            rests
+                .map(|rest| u64::from(u32::BITS - rest.unsigned_abs().leading_zeros()))
+                .sum::<u64>()
         });
         let wanted = cheapest.unwrap_or(0);
         let bits = &mut self.guesses[kind];
@@ -178,7 +185,9 @@ impl Models {
 
 /// The class of a number by what its neighbours are: those before it, and those beside it in the line above.
 fn size(rests: &[i32], above: Option<&[i32]>, at: usize) -> usize {
-    let of = |value: Option<&i32>, weight: u64| value.map(|v| (weight * u64::from(v.unsigned_abs()), weight));
+    let of = |value: Option<&i32>, weight: u64| {
+        value.map(|v| (weight * u64::from(v.unsigned_abs()), weight))
+    };
     let found = [
         of(rests.last(), 3),
         of(rests.len().checked_sub(2).and_then(|i| rests.get(i)), 1),

@@ -103,8 +103,7 @@ impl Tables {
         let [rows, columns] = self.size;
         let half = Place::on(self.axis.place(theta_h), HALF_NODES);
         let row = Place::on(difference_axis(theta_d), rows);
-        let column =
-            Place::on(self.symmetry.fold(phi_d) / self.symmetry.period(), columns);
+        let column = Place::on(self.symmetry.fold(phi_d) / self.symmetry.period(), columns);
         let known = (theta_h / FADE).min(1.0);
         let weights = [
             (row.node, column.node, (1.0 - row.rest) * (1.0 - column.rest) * known),
@@ -133,5 +132,48 @@ impl Tables {
 
     pub(crate) fn bytes(&self) -> usize {
         4 * (self.half.len() + self.difference.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::CubicBasis;
+    use crate::products::Shape;
+
+    /// Tables are the products that they were made of, but for what a straight line misses.
+    #[test]
+    fn tables_follow_the_splines() {
+        for symmetry in Symmetry::ALL {
+            let shape = Shape {
+                terms: 3,
+                half: CubicBasis { count: 12, is_even: true },
+                axis: HalfAxis { alpha: 0.02 },
+                difference: CubicBasis { count: 7, is_even: false },
+                symmetry,
+                order: 4,
+                channels: 3,
+            };
+            let wave = |i: usize| (i as f64 * 0.7).sin();
+            let length = shape.terms * shape.difference_len();
+            let products = Products {
+                half: (0..36).map(wave).collect(),
+                difference: (0..length).map(|i| [wave(i + 1), wave(i + 2), wave(i + 3)]).collect(),
+                shape,
+            };
+            let tables = Tables::new(&products);
+            for step in 1..500_u32 {
+                let t = f64::from(step);
+                let (theta_h, theta_d) =
+                    ((0.1 * t).sin().abs() * 1.5, (0.37 * t).cos().abs() * 1.5);
+                let phi_d = 3.1 * (0.77 * t).sin();
+                let (read, exact) =
+                    (tables.read(theta_h, theta_d, phi_d), products.eval(theta_h, theta_d, phi_d));
+                for c in 0..3 {
+                    let off = (read[c] - exact[c]).abs();
+                    assert!(off < 0.1, "{symmetry:?}: {read:?} against {exact:?} at {step}");
+                }
+            }
+        }
     }
 }

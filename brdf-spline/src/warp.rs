@@ -32,7 +32,8 @@ impl HalfAxis {
     }
 
     /// Returns θh at a place.
-    pub(crate) fn angle(self, x: f64) -> f64 {
+    #[cfg(test)]
+    fn angle(self, x: f64) -> f64 {
         self.alpha * (x * self.length()).sinh()
     }
 }

@@ -59,8 +59,7 @@ impl Weights {
         let sums = known().fold([0.0; MEASURES], |sum, (_, squares)| {
             std::array::from_fn(|m| sum[m] + squares[m])
         });
-        let factors =
-            std::array::from_fn(|m| PARTS[m] * count / sums[m].max(f64::MIN_POSITIVE));
+        let factors = std::array::from_fn(|m| PARTS[m] * count / sums[m].max(f64::MIN_POSITIVE));
         self.weights(nodes, [factors; 2])
     }
 
