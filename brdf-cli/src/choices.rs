@@ -41,6 +41,10 @@ pub(crate) enum MethodArg {
     Radial,
     /// One texture for each projection of a file
     Projections,
+    /// Sum of products of splines: a few kilobytes that keep the highlight of isotropic materials
+    Spline,
+    /// A diffuse base, GGX lobes and sheen, isotropic
+    Ggx,
     /// Sum of products: truncated singular value decomposition
     Svd,
     /// The same of logarithms
@@ -213,6 +217,11 @@ impl MethodArg {
     /// The model is a sum of products.
     pub(crate) fn is_separable(self) -> bool {
         matches!(self, Self::Svd | Self::LogSvd | Self::Eigen | Self::Nmf | Self::Normalized)
+    }
+
+    /// The model is a stream or a handful of numbers.
+    pub(crate) fn is_compact(self) -> bool {
+        matches!(self, Self::Spline | Self::Ggx)
     }
 }
 

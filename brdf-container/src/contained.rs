@@ -1,8 +1,9 @@
 //! Containers of BRDFs, whatever their kind.
 
-use brdf_fit::{FactoredModel, SeparableModel};
+use brdf_fit::{CompactModel, FactoredModel, SeparableModel};
 use brdf_model::{MerlLookup, MerlTable, SampleSet};
 
+use crate::compact::parse_compact;
 use crate::error::ContainerError;
 use crate::factored::parse_factored;
 use crate::head::{read_head, tensors_of};
@@ -17,6 +18,8 @@ pub enum Contained {
     Factored(Box<FactoredModel>),
     /// A sum of products.
     Separable(Box<SeparableModel>),
+    /// A compact model.
+    Compact(Box<CompactModel>),
     /// A table on the MERL grid.
     Table(MerlTable),
     /// Scattered samples.
@@ -34,6 +37,9 @@ pub fn read_container(bytes: &[u8], lookup: MerlLookup) -> Result<Contained, Con
     match head.kind {
         Kind::Factored => Ok(Contained::Factored(Box::new(parse_factored(&record, &tensors)?))),
         Kind::Separable => Ok(Contained::Separable(Box::new(parse_separable(&record, &tensors)?))),
+        Kind::Spline | Kind::Ggx => {
+            Ok(Contained::Compact(Box::new(parse_compact(&record, &tensors)?)))
+        }
         Kind::MerlTable => Ok(Contained::Table(read_cells(&tensors, lookup)?)),
         Kind::Samples => Ok(Contained::Samples(read_samples(&tensors)?)),
         found => Err(ContainerError::NoBrdf { found }),

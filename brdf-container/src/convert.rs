@@ -3,6 +3,7 @@
 use brdf_io::Measured;
 use brdf_model::MerlTable;
 
+use crate::compact::write_compact;
 use crate::error::ContainerError;
 use crate::factored::write_factored;
 use crate::open::{Content, MaterialFile};
@@ -61,6 +62,7 @@ impl MaterialFile {
         match &self.content {
             Content::Factored(file) => Ok((write_factored(file)?, Converted::Model)),
             Content::Separable(file) => Ok((write_separable(file)?, Converted::Model)),
+            Content::Compact(file) => Ok((write_compact(file)?, Converted::Model)),
             Content::Preset(_) | Content::Measured(_) => {
                 let table = match &self.content {
                     Content::Measured(Measured::Merl(table)) => (table.clone(), Tabulated::Copied),

@@ -7,6 +7,7 @@ use brdf_model::ModelError;
 use brdf_paint::PaintError;
 use brdf_param::ParamError;
 use brdf_separable::SeparableError;
+use brdf_spline::SplineError;
 use btf_vq::VqError;
 
 use crate::kind::Kind;
@@ -71,6 +72,9 @@ pub enum ContainerError {
     /// The numbers make no sum of products.
     #[error(transparent)]
     Separable(#[from] SeparableError),
+    /// The stream makes no sum of splines.
+    #[error(transparent)]
+    Spline(#[from] SplineError),
     /// The codebooks make no texture.
     #[error(transparent)]
     Btf(#[from] VqError),

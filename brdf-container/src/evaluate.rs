@@ -50,7 +50,7 @@ impl MaterialFile {
                 let counts = file.model.count(pairs.iter().copied());
                 found.factored = Some((counts, file.model.theta_max()));
             }
-            Content::Preset(_) | Content::Measured(_) => {}
+            Content::Preset(_) | Content::Measured(_) | Content::Compact(_) => {}
         }
         found
     }

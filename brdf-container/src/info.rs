@@ -1,6 +1,6 @@
 //! What is known of a material without fitting it.
 
-use brdf_fit::{FactoredRecord, SeparableRecord};
+use brdf_fit::{CompactRecord, FactoredRecord, SeparableRecord};
 use brdf_io::Measured;
 use brdf_model::{Channels, Dropped, PhysicalChecks, SampleSet, SampleSummary, check, summarize};
 use serde::Serialize;
@@ -40,6 +40,9 @@ pub struct MaterialInfo {
     /// How a sum of products was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub separable: Option<SeparableRecord>,
+    /// How a compact model was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compact: Option<CompactRecord>,
     /// What the reader assumed or changed, in sentences.
     pub notes: Vec<String>,
 }
@@ -66,6 +69,10 @@ impl MaterialFile {
             },
             separable: match &self.content {
                 Content::Separable(model) => Some(model.record.clone()),
+                _ => None,
+            },
+            compact: match &self.content {
+                Content::Compact(model) => Some(model.record.clone()),
                 _ => None,
             },
             notes,

@@ -10,6 +10,10 @@ pub enum Kind {
     Factored,
     /// A sum of products.
     Separable,
+    /// A sum of products of splines.
+    Spline,
+    /// GGX lobes.
+    Ggx,
     /// Transport of an object.
     Transport,
     /// A table on the MERL grid.
@@ -32,6 +36,8 @@ impl Kind {
         match self {
             Self::Factored => "a product of textures",
             Self::Separable => "a sum of products",
+            Self::Spline => "a sum of products of splines",
+            Self::Ggx => "GGX lobes on a diffuse base",
             Self::Transport => "the transport of an object",
             Self::MerlTable => "a table on the MERL grid",
             Self::Samples => "scattered samples",

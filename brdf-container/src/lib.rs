@@ -44,6 +44,7 @@
 mod basis;
 mod btf;
 mod btf_report;
+mod compact;
 mod contained;
 mod convert;
 mod error;
@@ -69,6 +70,7 @@ pub use btf::{CompressedBtf, open_compressed_btf, read_btf, write_btf};
 pub use btf_report::{
     BookSizes, BrdfComparison, CompressReport, CompressedBtfInfo, TextureComparison, TextureSummary,
 };
+pub use compact::write_compact;
 pub use contained::{Contained, read_container};
 pub use convert::{Converted, Tabulated};
 pub use error::ContainerError;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use brdf_files::{FileError, MappedFile};
-use brdf_fit::{FactoredModel, Material, SeparableModel};
+use brdf_fit::{CompactModel, FactoredModel, Material, SeparableModel};
 use brdf_io::{FormatError, Measured, ReadNote, ReadOptions, nbrdf_names, read};
 use brdf_model::{Analytic, Brdf, Channels, Nbrdf, Preset, SampleSet, ScatteredBrdf};
 
@@ -49,6 +49,8 @@ pub enum Content {
     Factored(Box<FactoredModel>),
     /// A sum of products.
     Separable(Box<SeparableModel>),
+    /// A compact model.
+    Compact(Box<CompactModel>),
 }
 
 /// A material that was opened by name.
@@ -162,6 +164,7 @@ impl MaterialFile {
             Content::Measured(measured) => measured.brdf(),
             Content::Factored(model) => &model.model,
             Content::Separable(model) => &model.model,
+            Content::Compact(model) => model.model.brdf(),
         }
     }
 
@@ -184,6 +187,7 @@ impl MaterialFile {
             Content::Measured(measured) => measured.channels(),
             Content::Factored(model) => model.model.channels(),
             Content::Separable(model) => model.model.channels(),
+            Content::Compact(model) => model.model.channels(),
         }
     }
 
@@ -196,6 +200,7 @@ impl MaterialFile {
             Content::Measured(_) => self.file_bytes,
             Content::Factored(model) => model.model.payload_bytes(),
             Content::Separable(model) => model.model.payload_bytes(),
+            Content::Compact(model) => model.model.payload_bytes(),
         }
     }
 
@@ -209,6 +214,7 @@ fn content_of(contained: Contained) -> Result<Content, FormatError> {
     Ok(match contained {
         Contained::Factored(model) => Content::Factored(model),
         Contained::Separable(model) => Content::Separable(model),
+        Contained::Compact(model) => Content::Compact(model),
         Contained::Table(table) => Content::Measured(Measured::Merl(table)),
         Contained::Samples(samples) if samples.is_empty() => {
             return Err(FormatError::Missing {

@@ -219,6 +219,15 @@ impl CholeskyFactor {
         self.solve_with(sides, &mut scratch);
     }
 
+    /// Replaces one right-hand side by its solution.
+    ///
+    /// # Panics
+    ///
+    /// If the side is not as long as the matrix is wide.
+    pub fn solve(&self, side: &mut [f64]) {
+        self.solve_in_place(MatMut::from_column_major_slice_mut(side, self.size, 1));
+    }
+
     /// Memory for [`CholeskyFactor::solve_with`] and this many right-hand sides.
     pub(crate) fn scratch(&self, sides: usize) -> MemBuffer {
         MemBuffer::new(llt::solve::solve_in_place_scratch::<f64>(self.size, sides, Par::Seq))

@@ -4,6 +4,7 @@ use brdf_factor::FactorError;
 use brdf_job::Stopped;
 use brdf_search::SearchError;
 use brdf_separable::SeparableError;
+use brdf_spline::SplineError;
 
 /// Errors of this crate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,6 +19,9 @@ pub enum FitError {
     /// A sum of products failed.
     #[error(transparent)]
     Separable(#[from] SeparableError),
+    /// A fit of splines failed.
+    #[error(transparent)]
+    Spline(#[from] SplineError),
     /// Settings that contradict each other.
     #[error("{setting} is {value}; expected {expected}")]
     Setting {

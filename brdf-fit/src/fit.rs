@@ -3,6 +3,7 @@
 use brdf_job::Job;
 use brdf_model::{Brdf, FitErrors};
 
+use crate::compact::{CompactFit, CompactSettings, fit_compact};
 use crate::error::FitError;
 use crate::factored::{FactoredFit, FactoredSettings, fit_factored};
 use crate::material::Material;
@@ -17,6 +18,8 @@ pub enum FitSettings {
     Factored(FactoredSettings),
     /// As a sum of products.
     Separable(SeparableSettings),
+    /// As a compact model of an isotropic material.
+    Compact(CompactSettings),
 }
 
 impl Default for FitSettings {
@@ -33,6 +36,8 @@ pub enum Fit {
     Factored(FactoredFit),
     /// A sum of products.
     Separable(SeparableFit),
+    /// A compact model.
+    Compact(CompactFit),
 }
 
 impl Fit {
@@ -41,6 +46,7 @@ impl Fit {
         match self {
             Self::Factored(fit) => &fit.last().model,
             Self::Separable(fit) => &fit.model.model,
+            Self::Compact(fit) => fit.model.model.brdf(),
         }
     }
 
@@ -49,6 +55,7 @@ impl Fit {
         match self {
             Self::Factored(fit) => fit.method,
             Self::Separable(fit) => fit.model.record.method,
+            Self::Compact(fit) => fit.model.record.method,
         }
     }
 
@@ -57,23 +64,26 @@ impl Fit {
         match self {
             Self::Factored(fit) => fit.terms.last()?.held_out.as_ref(),
             Self::Separable(fit) => fit.model.record.terms.last()?.held_out.as_ref(),
+            Self::Compact(fit) => fit.model.record.held_out.as_ref(),
         }
     }
 
     /// Returns the errors of the model on what was fitted; a sum of products is fitted to a matrix instead, whose
-    /// errors stand in its record.
+    /// errors stand in its record, and splines to nodes of their own.
     pub fn training(&self) -> Option<&FitErrors> {
         match self {
             Self::Factored(fit) => Some(&fit.terms.last()?.training),
             Self::Separable(_) => None,
+            Self::Compact(fit) => fit.training.as_ref(),
         }
     }
 
-    /// Returns the bytes of the model's textures.
+    /// Returns the bytes of the model: its textures, stream or parameters.
     pub fn bytes(&self) -> usize {
         match self {
             Self::Factored(fit) => fit.last().model.payload_bytes(),
             Self::Separable(fit) => fit.model.model.payload_bytes(),
+            Self::Compact(fit) => fit.model.model.payload_bytes(),
         }
     }
 
@@ -82,6 +92,7 @@ impl Fit {
         match self {
             Self::Factored(fit) => &fit.notes,
             Self::Separable(fit) => &fit.notes,
+            Self::Compact(fit) => &fit.notes,
         }
     }
 }
@@ -116,5 +127,6 @@ pub fn fit(
         FitSettings::Separable(settings) => {
             Ok(Fit::Separable(fit_separable(material, settings, job)?))
         }
+        FitSettings::Compact(settings) => Ok(Fit::Compact(fit_compact(material, settings, job)?)),
     }
 }

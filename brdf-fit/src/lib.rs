@@ -22,11 +22,13 @@
 //! ```
 
 mod basis;
+mod compact;
 mod compare;
 mod distribution;
 mod error;
 mod factored;
 mod fit;
+mod lobes;
 mod material;
 mod measures;
 mod method;
@@ -41,6 +43,10 @@ mod training;
 mod tried;
 
 pub use basis::Basis;
+pub use compact::{
+    CompactBrdf, CompactFit, CompactMethod, CompactModel, CompactRecord, CompactSettings,
+    CompactSettingsRecord, Makeup, fit_compact,
+};
 pub use compare::{Candidate, CompareSettings, Comparison, compare, metric_lights};
 pub use distribution::{Distribution, FolderComparison, MeasureDistribution};
 pub use error::FitError;
@@ -58,8 +64,8 @@ pub use record::{
     SeparableRecord, SeparableSettingsRecord, TermRecord,
 };
 pub use report::{
-    BaselineReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport, SamplesReport,
-    SeparableEvaluation, SeparableReport, SolveReport,
+    BaselineReport, CompactReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport,
+    SamplesReport, SeparableEvaluation, SeparableReport, SolveReport,
 };
 pub use search::{FixedFactors, SearchSettings, Strategy};
 pub use separable::{

@@ -19,6 +19,10 @@ pub enum Method {
     Projections,
     /// With a matrix that was inverted before.
     Preinverted,
+    /// Sum of products of splines, isotropic.
+    Spline,
+    /// GGX lobes on a diffuse base, isotropic.
+    Ggx,
     /// Sum of products: truncated singular value decomposition.
     Svd,
     /// The same of logarithms.
@@ -40,6 +44,8 @@ impl Method {
             Self::Radial => "radial",
             Self::Projections => "projections",
             Self::Preinverted => "preinverted",
+            Self::Spline => "spline",
+            Self::Ggx => "ggx",
             Self::Svd => "svd",
             Self::LogSvd => "log-svd",
             Self::Eigen => "eigen",

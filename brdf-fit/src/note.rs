@@ -83,6 +83,16 @@ pub enum FitNote {
         /// Whether weights of a factored fit could mend it.
         factored: bool,
     },
+    /// An anisotropic material was given an isotropic model.
+    TakenIsotropic {
+        /// Mean change when turned by a quarter, over the mean value.
+        change: f64,
+    },
+    /// Channels of the material are exactly 0 in places; there a model is right anywhere below.
+    Zeros {
+        /// How many values.
+        values: usize,
+    },
     /// Scattered rows were interpolated to fill a matrix.
     Interpolated,
     /// A material that is not isotropic was given textures of the polar angle alone.

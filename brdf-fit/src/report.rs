@@ -3,11 +3,12 @@
 use std::f64::consts::FRAC_PI_2;
 
 use brdf_factor::{EvalCounts, Solver};
-use brdf_model::{Brdf as _, Channels, Dropped, PairSampling};
+use brdf_model::{Brdf as _, Channels, Dropped, Fidelity, FitErrors, PairSampling};
 use brdf_param::{Parametrization, Space};
 use brdf_separable::{CellCounts, ChannelSpectrum, SeparableBrdf};
 use serde::{Deserialize, Serialize};
 
+use crate::compact::{CompactFit, CompactModel, CompactSettingsRecord, Makeup};
 use crate::factored::{FactoredFit, FactoredModel};
 use crate::method::{Method, SeparableMap};
 use crate::record::{
@@ -287,4 +288,75 @@ fn negative_pairs(model: &SeparableBrdf) -> usize {
         model.eval_unclamped(&pair).channels()[..model.maps().len()].iter().any(|v| *v < 0.0)
     };
     sampling.pairs().filter(|pair| is_negative(*pair)).count()
+}
+
+/// What `--json` prints for a compact model. `brdf` and `input` are a version and a name; `model` is in the folder as
+/// ours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CompactReport {
+    /// Version of the program.
+    pub brdf: String,
+    /// The material, as it was given.
+    pub input: String,
+    /// File name of the model, within the folder.
+    pub model: String,
+    /// How it was made.
+    pub method: Method,
+    /// Of fitting, without measuring errors.
+    pub seconds: f64,
+    /// Of the stream, or of the parameters as f32.
+    pub bytes: usize,
+    /// Channels that were fitted.
+    pub channels: Channels,
+    /// What the model is made of.
+    pub makeup: Makeup,
+    /// Samples that were fitted.
+    pub samples_used: usize,
+    /// Samples left out.
+    pub dropped: Dropped,
+    /// Values of channels that are 0 in what was fitted.
+    pub zeros: usize,
+    /// Over scattered samples that were fitted.
+    pub training: Option<FitErrors>,
+    /// Over pairs, or folds of rows, that were not fitted.
+    pub held_out: Option<FitErrors>,
+    /// Over held-out pairs, away from the highlight and in it.
+    pub fidelity: Option<Fidelity>,
+    /// The geometric mean of the errors of `fidelity`.
+    pub score: Option<f64>,
+    /// Largest directional albedos.
+    pub albedo: Albedo,
+    /// The settings that were used.
+    pub settings: CompactSettingsRecord,
+    /// What a reader should know, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl CompactFit {
+    /// Returns the report of the fit of what a user calls `input`, by a program of this version, with these notes in
+    /// words.
+    pub fn report(&self, input: &str, version: &str, notes: Vec<String>) -> CompactReport {
+        let CompactModel { model, record } = &self.model;
+        CompactReport {
+            brdf: version.to_owned(),
+            input: input.to_owned(),
+            model: MODEL.to_owned(),
+            method: record.method,
+            seconds: self.seconds,
+            bytes: model.payload_bytes(),
+            channels: model.channels(),
+            makeup: record.makeup.clone(),
+            samples_used: record.samples_used,
+            dropped: record.dropped,
+            zeros: self.zeros,
+            training: self.training,
+            held_out: record.held_out,
+            fidelity: record.fidelity,
+            score: record.fidelity.map(|fidelity| fidelity.score()),
+            albedo: self.albedo,
+            settings: record.settings,
+            notes,
+        }
+    }
 }

@@ -15,7 +15,7 @@ use crate::record::{FitSettingsRecord, TermRecord};
 /// Pairs of the held-out set of a material that can be drawn from.
 pub const HELD_OUT_PAIRS: u32 = 20_000;
 /// Parts that scattered rows are split into.
-const FOLDS: usize = 10;
+pub(crate) const FOLDS: usize = 10;
 
 /// Training samples, before and after replication, and how errors on unseen ones are found.
 pub(crate) struct Training {

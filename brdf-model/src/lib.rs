@@ -56,8 +56,8 @@ mod srgb;
 mod utia;
 
 pub use analytic::{
-    Analytic, AshikhminShirley, BlinnPhong, CookTorrance, Ggx, Lafortune, LafortuneLobe, Lambert,
-    Plastic, Ward,
+    Analytic, AshikhminShirley, BlinnPhong, CookTorrance, Ggx, GgxLobe, GgxLobes, Lafortune,
+    LafortuneLobe, Lambert, Plastic, Ward,
 };
 pub use batch::{DirectionBatch, DirectionSlices, RgbBatch};
 pub use brdf::{Brdf, DirectionSampler};

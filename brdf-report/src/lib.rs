@@ -5,6 +5,7 @@
 //! folder.
 
 mod btf_text;
+mod compact;
 mod error;
 mod factored;
 mod figures;
@@ -28,6 +29,7 @@ pub use btf_text::{
     brdf_comparison_text, breakdown_text, compress_text, facts_text, rate_text, speed_text,
     synth_text, texture_comparison_text,
 };
+pub use compact::compact_files;
 pub use error::ReportError;
 pub use factored::{factored_files, kept_files};
 pub use figures::{
@@ -46,8 +48,8 @@ pub use separable_view::{Side, term_view};
 pub use spheres::line_up;
 pub use study::study_files;
 pub use text::{
-    comparison_measures, comparison_table, factored_text, folder_comparison_text, info_text,
-    kept_text, painted_text, separable_text, study_text,
+    compact_text, comparison_measures, comparison_table, factored_text, folder_comparison_text,
+    info_text, kept_text, painted_text, separable_text, study_text,
 };
 pub use texture_view::{MASKED_OUT, texture_view};
 

@@ -76,6 +76,15 @@ pub fn fit_note(note: &FitNote) -> String {
             significant(*reference),
             if *factored { ": its highlights are off" } else { "" }
         ),
+        FitNote::TakenIsotropic { change } => format!(
+            "the material is anisotropic: it differs by {} when turned by a quarter; the model is isotropic and follows \
+             it at one azimuth of the half vector",
+            percent(*change)
+        ),
+        FitNote::Zeros { values } => format!(
+            "{values} values of channels are exactly 0 where the model was fitted: clipped or not measured; there it \
+             may be anything that ends at 0"
+        ),
         FitNote::Interpolated => {
             "the rows were interpolated to fill the matrix: between them nothing was measured, and no rows were held out"
                 .to_owned()

@@ -3,7 +3,9 @@
 use brdf_container::{
     BrdfComparison, CompressReport, CompressedBtfInfo, MaterialInfo, TextureComparison,
 };
-use brdf_fit::{Comparison, FactoredReport, FolderComparison, KeptReport, SeparableReport};
+use brdf_fit::{
+    CompactReport, Comparison, FactoredReport, FolderComparison, KeptReport, SeparableReport,
+};
 use brdf_paint::{PaintReport, SetupReport};
 use brdf_relight::{ErrorBreakdown, PrecomputeReport, SpeedReport, SweepReport, TurntableReport};
 use brdf_study::StudyReport;
@@ -31,6 +33,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("compare", schema_for!(Comparison)),
         ("compare-folders", schema_for!(FolderComparison)),
         ("factor", schema_for!(FactoredReport)),
+        ("factor-compact", schema_for!(CompactReport)),
         ("factor-keep", schema_for!(KeptReport)),
         ("factor-separable", schema_for!(SeparableReport)),
         ("info", schema_for!(Vec<MaterialInfo>)),

@@ -4,13 +4,14 @@ use std::fmt::{self, Write as _};
 
 use brdf_container::MaterialInfo;
 use brdf_fit::{
-    Comparison, Distribution, FactoredModel, FactoredReport, FolderComparison, Method,
-    ModelMeasures, SeparableReport, TermRecord,
+    CompactReport, Comparison, Distribution, FactoredModel, FactoredReport, FolderComparison,
+    Method, ModelMeasures, SeparableReport, TermRecord,
 };
-use brdf_model::{Channels, MerlTable};
+use brdf_model::{Channels, FitErrors, MerlTable};
 use brdf_paint::PaintReport;
 use brdf_study::{STUDIED, StudyReport};
 
+use crate::compact::makeup_text;
 use crate::numbers::{bytes, or_dash, percent, significant};
 
 /// Returns what was written.
@@ -304,6 +305,42 @@ fn write_separable(name: &str, report: &SeparableReport, out: &mut String) -> fm
             or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
         )?;
     }
+    for note in &report.notes {
+        writeln!(out, "{note}")?;
+    }
+    Ok(())
+}
+
+/// Returns how good a compact model is, in a few lines.
+pub fn compact_text(name: &str, report: &CompactReport) -> String {
+    text(|out| write_compact(name, report, out))
+}
+
+fn write_compact(name: &str, report: &CompactReport, out: &mut String) -> fmt::Result {
+    writeln!(
+        out,
+        "{name}: {}, {}, {} s",
+        makeup_text(&report.makeup),
+        bytes(report.bytes),
+        significant(report.seconds)
+    )?;
+    if let Some(fidelity) = report.fidelity {
+        writeln!(
+            out,
+            "log-cosine RMS {}, {} at the highlight; relative RMS {}, {} at the highlight; held out",
+            significant(fidelity.uniform.log_cosine),
+            significant(fidelity.highlight.log_cosine),
+            significant(fidelity.uniform.cosine_relative),
+            significant(fidelity.highlight.cosine_relative)
+        )?;
+    }
+    let log = |errors: &FitErrors| errors.log.mean_square;
+    if let Some(training) = &report.training {
+        write!(out, "mean square log error {} of what was fitted, ", significant(log(training)))?;
+    } else {
+        write!(out, "mean square log error ")?;
+    }
+    writeln!(out, "{} held out", or_dash(report.held_out.as_ref().map(log)))?;
     for note in &report.notes {
         writeln!(out, "{note}")?;
     }

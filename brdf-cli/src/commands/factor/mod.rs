@@ -1,5 +1,6 @@
 //! `brdf factor`.
 
+mod compact;
 mod keep;
 mod plan;
 mod preinvert;
@@ -10,10 +11,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Context as _;
-use brdf_container::{write_factored, write_separable};
+use brdf_container::{write_compact, write_factored, write_separable};
 use brdf_fit::{FactoredSettings, Fit, FitSettings, fit, preinvert};
-use brdf_report::{ResultFile, factored_files, factored_text, separable_files, separable_text};
+use brdf_report::{
+    ResultFile, compact_files, compact_text, factored_files, factored_text, separable_files,
+    separable_text,
+};
 
+use self::compact::CompactArgs;
 use self::keep::KeepArgs;
 use self::plan::SearchArgs;
 use self::preinvert::PreinvertArgs;
@@ -37,6 +42,7 @@ use crate::progress::Watch;
 ///   brdf factor garnet_red.brdf -o garnet          a measured file
 ///   brdf factor silk.binary --terms 3 --space half-difference --texture-size 32
 ///   brdf factor --from garnet/model.safetensors --keep 2 -o small
+///   brdf factor silk.binary --method spline --bytes 8k     a few kilobytes that keep the highlight
 ///   brdf factor preset:ggx --method mccool         two textures over fixed coordinates, at once
 ///   brdf factor preset:ggx --method projections --projections planes.toml --space half-difference
 ///   brdf factor preset:plastic --method eigen --rank 16       sums of products, for relighting
@@ -122,6 +128,9 @@ pub(super) struct Factor {
     separable: SeparableArgs,
 
     #[command(flatten)]
+    compact: CompactArgs,
+
+    #[command(flatten)]
     keep: KeepArgs,
 
     #[command(flatten)]
@@ -138,6 +147,8 @@ impl Factor {
         }
         let settings = if self.method.is_separable() {
             FitSettings::Separable(self.separable_settings()?)
+        } else if self.method.is_compact() {
+            FitSettings::Compact(self.compact_settings()?)
         } else {
             FitSettings::Factored(self.factored_settings()?)
         };
@@ -164,6 +175,11 @@ impl Factor {
                 let report = fit.report(&self.input, version, notes);
                 let files = factored_files(&material, fit, &report, &command)?;
                 (write_factored(&fit.model())?, files, factored_text(material.name(), &report))
+            }
+            Fit::Compact(fit) => {
+                let report = fit.report(&self.input, version, notes);
+                let files = compact_files(&material, fit, &report, &command)?;
+                (write_compact(&fit.model)?, files, compact_text(material.name(), &report))
             }
             Fit::Separable(fit) => {
                 let report = fit.report(&self.input, version, notes);

@@ -78,6 +78,9 @@ impl Factor {
                 "{option} is for --method svd, log-svd, eigen, nmf or normalized, not {name}"
             )));
         }
+        if let Some(option) = self.compact.given() {
+            return Err(usage(format!("{option} is for --method spline or ggx, not {name}")));
+        }
         if self.log_map.homomorphic().is_none() {
             return Err(usage(format!("--log-map cosine is for --method log-svd, not {name}")));
         }

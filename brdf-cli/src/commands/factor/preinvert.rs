@@ -55,7 +55,7 @@ impl PreinvertArgs {
         }
         let method = match settings {
             FitSettings::Factored(settings) => Some(&settings.method),
-            FitSettings::Separable(_) => None,
+            FitSettings::Separable(_) | FitSettings::Compact(_) => None,
         };
         if !matches!(method, Some(FactoredMethod::McCool | FactoredMethod::Radial)) {
             return Err(usage("--preinvert is for --method mccool or radial"));

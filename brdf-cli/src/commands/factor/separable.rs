@@ -130,11 +130,9 @@ impl Factor {
         Ok(parametrization)
     }
 
-    /// Refuses what sums of products do not have.
-    fn check_separable(&self, settings: &SeparableSettings) -> anyhow::Result<()> {
-        let name = self.method.name();
-        let given = first_given(&[
-            (self.texture_size.is_some(), "--texture-size (--resolution is the one)"),
+    /// The first option that only products of textures have, if one was given.
+    pub(super) fn texture_option_given(&self) -> Option<&'static str> {
+        first_given(&[
             (self.projections.is_some(), "--projections"),
             (self.samples != 45_000, "--samples"),
             (self.smoothing.to_bits() != 1e-4_f64.to_bits(), "--smoothing"),
@@ -142,8 +140,15 @@ impl Factor {
             (self.weight != WeightArg::Log, "--weight"),
             (self.reciprocal != ReciprocityArg::On, "--reciprocal"),
             (self.replicate.is_some(), "--replicate"),
-        ]);
-        if let Some(option) = given {
+        ])
+    }
+
+    /// Refuses what sums of products do not have.
+    fn check_separable(&self, settings: &SeparableSettings) -> anyhow::Result<()> {
+        let name = self.method.name();
+        let size = (self.texture_size.is_some(), "--texture-size (--resolution is the one)");
+        let given = first_given(&[size]).or_else(|| self.texture_option_given());
+        if let Some(option) = given.or_else(|| self.compact.given()) {
             return Err(usage(format!("{option} does not apply to --method {name}")));
         }
         if let Some(option) = self.search.given() {

@@ -1,0 +1,293 @@
+//! GGX lobes by Levenberg–Marquardt: the analytic model that people fit by hand.
+//!
+//! Unknowns are the logarithms of all parameters, so that they stay positive. The sum that falls is that of squares of
+//! the four measures of [`Fidelity`](brdf_model::Fidelity) over both its sets of pairs, each over its present mean: what
+//! lowers their geometric mean.
+
+use brdf_factor::CholeskyFactor;
+use brdf_job::{Job, Stopped};
+use brdf_model::{Brdf as _, GgxLobe, GgxLobes, Rgb, SampleSet};
+use brdf_param::DirectionPair;
+use rayon::prelude::*;
+
+/// Roughness of the first lobe, at each start.
+const STARTS: [f64; 4] = [0.01, 0.04, 0.12, 0.4];
+/// Roughness of each further lobe over that of the one before, at the start.
+const WIDER: f64 = 4.0;
+/// Times that measures are brought to their present mean.
+const ROUNDS: usize = 5;
+/// Steps of a round.
+const STEPS: usize = 12;
+/// A step that lowers the sum by less than this part of it ends a round.
+const CONVERGED: f64 = 1e-4;
+/// Step of a logarithm for derivatives.
+const DIFFERENCE: f64 = 1e-4;
+/// Logarithms stay within ±LIMIT.
+const LIMIT: f64 = 18.0;
+const MEASURES: usize = 4;
+/// Parameters of the base, and of a lobe.
+const BASE: usize = 6;
+const LOBE: usize = 5;
+
+/// What lobes are fitted to: values at pairs, each with its share in two sets of pairs.
+pub(crate) struct LobeProblem {
+    pairs: Vec<DirectionPair>,
+    values: Vec<[f64; 3]>,
+    shares: Vec<[f64; 2]>,
+    offsets: [f64; 3],
+}
+
+/// A state of the fit, with what measures say of it.
+struct State {
+    logs: Vec<f64>,
+    values: Vec<[f64; 3]>,
+}
+
+impl LobeProblem {
+    /// Takes samples of uniform pairs, and of pairs around the mirror direction, which count half of the second set.
+    pub(crate) fn new(uniform: &SampleSet, mirror: &SampleSet) -> Self {
+        let (count, near) = (uniform.len() as f64, mirror.len() as f64);
+        let second = if mirror.is_empty() { 1.0 } else { 0.5 };
+        let sets = [(uniform, [1.0 / count, second / count]), (mirror, [0.0, 0.5 / near])];
+        let mut made =
+            Self { pairs: Vec::new(), values: Vec::new(), shares: Vec::new(), offsets: [1e-5; 3] };
+        for (samples, shares) in sets {
+            made.pairs.extend(samples.pairs());
+            made.values.extend((0..samples.len()).map(|index| samples.rgb(index).channels()));
+            made.shares.extend(vec![shares; samples.len()]);
+        }
+        made.offsets = std::array::from_fn(|c| {
+            let mean: f64 =
+                made.values.iter().zip(&made.shares).map(|(v, share)| v[c] * share[0]).sum();
+            if mean > 0.0 { 1e-5 * mean } else { 1e-5 }
+        });
+        made
+    }
+
+    /// Returns the best model of this many lobes.
+    pub(crate) fn solve(&self, lobes: usize, job: &Job<'_>) -> Result<GgxLobes, Stopped> {
+        job.begin("fitting lobes", (STARTS.len() * ROUNDS) as u64);
+        let found: Vec<(f64, Vec<f64>)> = STARTS
+            .par_iter()
+            .map(|&alpha| self.solve_from(self.start(alpha, lobes), job))
+            .collect();
+        job.check()?;
+        let best = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(model_of(&best.map_or_else(|| self.start(STARTS[1], lobes), |(_, logs)| logs)))
+    }
+
+    /// A diffuse base of the median value, and lobes of a few percent.
+    fn start(&self, alpha: f64, lobes: usize) -> Vec<f64> {
+        let diffuse: [f64; 3] = std::array::from_fn(|c| {
+            let mut values: Vec<f64> = self.values.iter().map(|v| v[c]).collect();
+            let middle = values.len() / 2;
+            let median = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
+            (std::f64::consts::PI * median).max(1e-4).ln()
+        });
+        let mut logs = diffuse.to_vec();
+        logs.extend([0.01_f64.ln(); 3]);
+        for lobe in 0..lobes {
+            let alpha = alpha * WIDER.powi(i32::try_from(lobe).unwrap_or(0));
+            logs.extend([0.05_f64.ln(), 0.05_f64.ln(), 0.05_f64.ln(), 0.5_f64.ln()]);
+            logs.push(alpha.min(0.9).ln());
+        }
+        logs
+    }
+
+    fn evaluate(&self, logs: &[f64]) -> Vec<[f64; 3]> {
+        let model = model_of(logs);
+        self.pairs.iter().map(|pair| model.eval(pair).channels()).collect()
+    }
+
+    /// Mean squares of the measures over both sets.
+    fn mean_squares(&self, values: &[[f64; 3]]) -> [[f64; MEASURES]; 2] {
+        let mut sums = [[1e-14; MEASURES]; 2];
+        self.for_each(values, |_, _, residuals, _, shares| {
+            for (sums, share) in sums.iter_mut().zip(shares) {
+                for (sum, residual) in sums.iter_mut().zip(residuals) {
+                    *sum += share * residual * residual;
+                }
+            }
+        });
+        sums
+    }
+
+    /// Calls back with each pair's index and channel, the residuals of the measures, their slopes, and shares.
+    fn for_each(
+        &self,
+        values: &[[f64; 3]],
+        mut visit: impl FnMut(usize, usize, [f64; MEASURES], [f64; MEASURES], [f64; 2]),
+    ) {
+        for (index, (found, wanted)) in values.iter().zip(&self.values).enumerate() {
+            let cosine = self.pairs[index].wi.z;
+            for c in 0..3 {
+                let (g, f, a) = (found[c], wanted[c], self.offsets[c]);
+                let residuals = [
+                    (g * cosine).ln_1p() - (f * cosine).ln_1p(),
+                    (g * cosine).cbrt() - (f * cosine).cbrt(),
+                    cosine.sqrt() * (g - f),
+                    ((a + g) / (a + f)).ln(),
+                ];
+                let root = (g * cosine).max(1e-12).cbrt();
+                let slopes = [
+                    cosine / (1.0 + g * cosine),
+                    cosine / (3.0 * root * root),
+                    cosine.sqrt(),
+                    1.0 / (a + g),
+                ];
+                visit(index, c, residuals, slopes, self.shares[index]);
+            }
+        }
+    }
+
+    /// Returns the sum of logarithms of the mean squares that a start leads to, and the parameters.
+    fn solve_from(&self, logs: Vec<f64>, job: &Job<'_>) -> (f64, Vec<f64>) {
+        let values = self.evaluate(&logs);
+        let mut state = State { logs, values };
+        for _ in 0..ROUNDS {
+            if job.is_stopped() {
+                break;
+            }
+            let factors = self.mean_squares(&state.values).map(|set| set.map(|mean| 1.0 / mean));
+            self.descend(&mut state, factors);
+            job.advance(1);
+        }
+        let score: f64 =
+            self.mean_squares(&state.values).as_flattened().iter().map(|mean| mean.ln()).sum();
+        (score, state.logs)
+    }
+
+    /// Levenberg–Marquardt with fixed factors of the measures.
+    fn descend(&self, state: &mut State, factors: [[f64; MEASURES]; 2]) {
+        let mut damping = 1e-2;
+        let mut sum = weighted(self.mean_squares(&state.values), factors);
+        for _ in 0..STEPS {
+            let (normal, gradient) = self.normal_equations(state, factors);
+            let mut lowered = None;
+            for _ in 0..6 {
+                if let Some(next) = self.step(state, &normal, &gradient, damping) {
+                    let found = weighted(self.mean_squares(&next.values), factors);
+                    if found < sum {
+                        lowered = Some((found, next));
+                        damping *= 0.3;
+                        break;
+                    }
+                }
+                damping *= 5.0;
+            }
+            let Some((found, next)) = lowered else { return };
+            let gain = (sum - found) / sum;
+            (sum, *state) = (found, next);
+            if gain < CONVERGED {
+                return;
+            }
+        }
+    }
+
+    /// JᵀJ, a lower triangle column by column, and Jᵀr.
+    fn normal_equations(
+        &self,
+        state: &State,
+        factors: [[f64; MEASURES]; 2],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let size = state.logs.len();
+        let changed: Vec<Vec<[f64; 3]>> = (0..size)
+            .map(|i| {
+                let mut logs = state.logs.clone();
+                logs[i] += DIFFERENCE;
+                self.evaluate(&logs)
+            })
+            .collect();
+        let (mut normal, mut gradient) = (vec![0.0; size * size], vec![0.0; size]);
+        let mut slopes_of = vec![0.0; size];
+        self.for_each(&state.values, |index, c, residuals, slopes, shares| {
+            let (mut square, mut cross) = (0.0, 0.0);
+            for m in 0..MEASURES {
+                let weight = shares[0] * factors[0][m] + shares[1] * factors[1][m];
+                square += weight * slopes[m] * slopes[m];
+                cross += weight * slopes[m] * residuals[m];
+            }
+            for (slope, changed) in slopes_of.iter_mut().zip(&changed) {
+                *slope = (changed[index][c] - state.values[index][c]) / DIFFERENCE;
+            }
+            for (j, b) in slopes_of.iter().enumerate() {
+                gradient[j] += cross * b;
+                let column = &mut normal[j * size + j..(j + 1) * size];
+                for (sum, a) in column.iter_mut().zip(&slopes_of[j..]) {
+                    *sum += square * a * b;
+                }
+            }
+        });
+        (normal, gradient)
+    }
+
+    fn step(&self, state: &State, normal: &[f64], gradient: &[f64], damping: f64) -> Option<State> {
+        let size = gradient.len();
+        let mut matrix = normal.to_vec();
+        for i in 0..size {
+            let diagonal = &mut matrix[i * size + i];
+            *diagonal += damping * *diagonal + 1e-9;
+        }
+        let mut change: Vec<f64> = gradient.iter().map(|g| -g).collect();
+        CholeskyFactor::new(matrix, size).ok()?.solve(&mut change);
+        let logs: Vec<f64> = state
+            .logs
+            .iter()
+            .zip(&change)
+            .map(|(log, change)| (log + change.clamp(-2.0, 2.0)).clamp(-LIMIT, LIMIT))
+            .collect();
+        let values = self.evaluate(&logs);
+        Some(State { logs, values })
+    }
+}
+
+fn weighted(means: [[f64; MEASURES]; 2], factors: [[f64; MEASURES]; 2]) -> f64 {
+    means
+        .as_flattened()
+        .iter()
+        .zip(factors.as_flattened())
+        .map(|(mean, factor)| mean * factor)
+        .sum()
+}
+
+/// The model of these logarithms: diffuse, sheen, then f0, f90 and α of each lobe.
+fn model_of(logs: &[f64]) -> GgxLobes {
+    let rgb = |logs: &[f64]| Rgb::new(logs[0].exp(), logs[1].exp(), logs[2].exp());
+    let lobes = logs[BASE..].chunks_exact(LOBE).map(|lobe| GgxLobe {
+        f0: rgb(lobe),
+        f90: lobe[3].exp(),
+        alpha: lobe[4].exp().min(1.5),
+    });
+    GgxLobes { diffuse: rgb(logs), sheen: rgb(&logs[3..]), lobes: lobes.collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdf_model::{Channels, PairSampling};
+
+    #[test]
+    fn lobes_that_were_planted_are_found_again() {
+        let planted = GgxLobes {
+            diffuse: Rgb::new(0.3, 0.2, 0.1),
+            lobes: vec![
+                GgxLobe { f0: Rgb::splat(0.04), f90: 0.8, alpha: 0.06 },
+                GgxLobe { f0: Rgb::new(0.02, 0.03, 0.04), f90: 0.4, alpha: 0.35 },
+            ],
+            sheen: Rgb::splat(0.02),
+        };
+        let sampling = PairSampling { count: 1000, seed: 1, theta_max: 1.4 };
+        let uniform = SampleSet::draw(&planted, &sampling, Channels::Rgb);
+        let mut mirror = SampleSet::new(Channels::Rgb);
+        for pair in sampling.highlight_pairs() {
+            mirror.push_rgb(&pair, planted.eval(&pair));
+        }
+        let problem = LobeProblem::new(&uniform, &mirror);
+        let found = problem.solve(2, &Job::new()).expect("not stopped");
+        let mut alphas: Vec<f64> = found.lobes.iter().map(|lobe| lobe.alpha).collect();
+        alphas.sort_by(f64::total_cmp);
+        assert!((alphas[0] / 0.06 - 1.0).abs() < 0.02, "{found:?}");
+        assert!((alphas[1] / 0.35 - 1.0).abs() < 0.05, "{found:?}");
+        assert!((found.diffuse.r / 0.3 - 1.0).abs() < 0.02, "{found:?}");
+    }
+}
