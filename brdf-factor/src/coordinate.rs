@@ -86,6 +86,9 @@ impl Coordinate {
 
     /// Returns the coordinate that gives, for a pair, what this one gives for the swapped pair.
     pub fn reciprocal_conjugate(&self) -> Self {
+        let space = Space::HalfDifference;
+        let minus_d =
+            Self::Projected { space, projection: Projection::SECOND.reciprocal_conjugate(space) };
         match *self {
             Self::Wi => Self::Wo,
             Self::Wo => Self::Wi,
@@ -93,10 +96,9 @@ impl Coordinate {
             Self::RadialWo => Self::RadialWi,
             Self::H => Self::H,
             Self::RadialH => Self::RadialH,
-            Self::D => Self::Projected {
-                space: Space::HalfDifference,
-                projection: Projection::SECOND.reciprocal_conjugate(Space::HalfDifference),
-            },
+            Self::D => minus_d,
+            // So that the conjugate of a conjugate is the coordinate itself.
+            _ if *self == minus_d => Self::D,
             Self::Projected { space, projection } => {
                 Self::Projected { space, projection: projection.reciprocal_conjugate(space) }
             }

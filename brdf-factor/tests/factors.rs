@@ -85,6 +85,7 @@ fn reciprocal_factors_cannot_tell_light_from_viewer() {
         if name.ends_with("false") {
             continue;
         }
+        assert!(specs.iter().all(FactorSpec::is_reciprocal), "{name}");
         let model = factorize(&training, &specs, &small()).unwrap().model;
         for pair in sampling(500).pairs() {
             let (a, b) = (model.eval(&pair).g, model.eval(&pair.swapped()).g);
