@@ -1,10 +1,10 @@
 //! The binary as people and pipelines use it: exit codes, streams, files.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use crate::support::{brdf, fail, python, succeed, text};
+use crate::support::{brdf, fail, succeed, text};
 use brdf_image::DisplayImage;
 use brdf_image::encode_png;
 use serde_json::Value;
@@ -624,44 +624,4 @@ fn help_teaches_and_completions_complete() {
     }
     assert!(succeed(root.path(), &["completions", "bash"]).contains("_brdf"));
     assert_eq!(brdf(root.path(), &[]).status.code(), Some(2), "no arguments explain themselves");
-}
-
-/// The README's ten lines of NumPy give what `brdf eval` gives.
-#[test]
-fn the_readme_evaluates_a_model_in_numpy() {
-    let Some(python) = python() else { return };
-    let readme = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../README.md");
-    let readme = fs::read_to_string(readme).unwrap();
-    let snippet = readme
-        .split("```python\n")
-        .nth(1)
-        .and_then(|rest| rest.split("```").next())
-        .expect("a Python snippet in the README");
-    assert!(snippet.lines().filter(|line| !line.trim().is_empty()).count() <= 10, "ten lines");
-
-    let root = TempDir::new().unwrap();
-    succeed(root.path(), &["factor", "--method", "mccool"]);
-    succeed(root.path(), &["sample", "preset:ggx", "-n", "100", "-o", "pairs.csv"]);
-    let model = "brdf-out/model.safetensors";
-    let expected = succeed(root.path(), &["eval", model, "--directions", "pairs.csv"]);
-    let script = format!(
-        "{snippet}\nimport csv\n\
-         for row in csv.DictReader(open('pairs.csv')):\n    \
-         ti, pi, to, po = (np.radians(float(row[k])) for k in \
-         ('theta_i_deg', 'phi_i_deg', 'theta_o_deg', 'phi_o_deg'))\n    \
-         d = lambda t, p: np.array([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)])\n    \
-         print(*evaluate(d(ti, pi), d(to, po)), sep=',')\n"
-    );
-    let output =
-        Command::new(&python).args(["-c", &script]).current_dir(root.path()).output().unwrap();
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
-    assert_eq!(printed.lines().count(), 100);
-    for (python, rust) in printed.lines().zip(expected.lines().skip(1)) {
-        let python: Vec<f64> = python.split(',').map(|v| v.parse().unwrap()).collect();
-        let rust: Vec<f64> = rust.split(',').skip(4).map(|v| v.parse().unwrap()).collect();
-        for (p, r) in python.iter().zip(&rust) {
-            assert!((p - r).abs() <= 1e-5 * r.abs() + 1e-7, "{python:?} against {rust:?}");
-        }
-    }
 }

@@ -8,6 +8,7 @@
 
 mod btf;
 mod end_to_end;
+mod model_file;
 mod paint;
 mod relight;
 mod schema;

@@ -1,0 +1,228 @@
+//! Models evaluated without this project: `docs/evaluate_model.py` gives what `brdf eval` gives.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::support::{fail, python, succeed, text};
+use brdf_container::write_separable;
+use brdf_fit::{
+    Fit, FitSettings, LogChoice, Material, SeparableMap, SeparableMethod, SeparableSettings, fit,
+};
+use brdf_job::Job;
+use brdf_model::{Channels, MerlNodes, Preset};
+use brdf_param::Parametrization;
+use brdf_separable::{EigenSolver, Fill};
+use tempfile::TempDir;
+
+/// Products of textures: every coordinate, space and log map, with and without reciprocity.
+const PRODUCTS: [&str; 9] = [
+    "preset:ggx --method mccool",
+    "preset:ashikhmin-shirley --method mccool --reciprocal off --luminance --bound cube --max-theta-deg 60",
+    "preset:plastic --method radial --reciprocal off --log-map log",
+    "preset:plastic --method projections --projections planes.toml",
+    "preset:ward --method projections --projections planes.toml --space half-difference --reciprocal off \
+     --log-map highlight",
+    "preset:ggx --terms 1 --restarts 1 --space standard --beside d",
+    "preset:red-plastic --terms 1 --restarts 1 --space half-difference --beside radial --search powell",
+    "preset:red-plastic --method mccool --preinvert basis.safetensors",
+    "black.csv --method mccool",
+];
+
+/// Sums of products: every parametrization, isotropic and not, every map of the hemisphere, value map and
+/// kind of second side. From the library, since the command draws pictures too.
+fn sums() -> Vec<(&'static str, SeparableSettings)> {
+    use Parametrization::{
+        HalfDifference, Hybrid, KautzMcCool, OnionSlice, Orthographic, Standard,
+    };
+    use SeparableMap::{Merl, Parabolic, Polar, Spherical};
+    use SeparableMethod::{Eigen, LogSvd, Nmf, Normalized, Svd};
+    let offset = LogSvd(LogChoice::Offset);
+    let of = |method, parametrization, map| SeparableSettings {
+        parametrization,
+        map,
+        resolution: 9,
+        rank: (method != Normalized).then_some(3),
+        fill: Fill::Zero,
+        ..SeparableSettings::of(method)
+    };
+    let isotropic = |settings| SeparableSettings { isotropic: true, ..settings };
+    let joint = |settings| SeparableSettings { joint_rgb: true, ..settings };
+    let grey = |settings| SeparableSettings { channels: Some(Channels::Luminance), ..settings };
+    let disc = SeparableMap::Orthographic;
+    let edge = MerlNodes::Edge;
+    vec![
+        ("red-plastic", joint(of(Svd, Standard, Polar))),
+        ("ggx", of(Eigen(EigenSolver::Krylov), Standard, Parabolic)),
+        ("ward", grey(of(Eigen(EigenSolver::Power), Standard, Spherical))),
+        ("plastic", grey(isotropic(of(Nmf, Standard, Polar)))),
+        ("ward", of(offset, HalfDifference, Parabolic)),
+        ("ggx", joint(isotropic(of(offset, HalfDifference, Spherical)))),
+        ("red-plastic", of(Nmf, KautzMcCool, Polar)),
+        ("red-plastic", isotropic(of(Svd, KautzMcCool, disc))),
+        ("ward", of(Normalized, Orthographic, Spherical)),
+        ("red-plastic", isotropic(of(Svd, Orthographic, disc))),
+        ("ward", of(Svd, Hybrid, disc)),
+        ("red-plastic", isotropic(of(LogSvd(LogChoice::Cosine), Hybrid, Polar))),
+        ("ward", of(Svd, OnionSlice, Spherical)),
+        ("ggx", isotropic(of(offset, OnionSlice, Parabolic))),
+        ("ggx", grey(of(Normalized, HalfDifference, Merl))),
+        (
+            "plastic",
+            SeparableSettings { merl_nodes: edge, ..grey(of(Normalized, HalfDifference, Merl)) },
+        ),
+    ]
+}
+
+#[test]
+fn every_kind_of_model_is_evaluated_by_numpy_as_by_brdf() {
+    let Some(python) = python() else { return };
+    let root = TempDir::new().unwrap();
+    let folder = root.path();
+    write_inputs(folder);
+    let products = PRODUCTS.map(|run| format!("{run} --samples 1000 --texture-size 6"));
+    // A fit by a basis, which has its own settings, comes after the one that keeps it.
+    let with = "preset:ggx --with basis.safetensors".to_owned();
+    let mut runs: Vec<String> = products.into_iter().chain([with]).collect();
+    let mut models = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        let output = index.to_string();
+        let words = ["factor"].into_iter().chain(run.split_whitespace()).chain(["-o", &output]);
+        succeed(folder, &words.collect::<Vec<_>>());
+        models.push(format!("{index}/model.safetensors"));
+    }
+    for (preset, settings) in sums() {
+        let material = Preset::find(preset).unwrap().brdf();
+        let run = format!("{preset}: {settings:?}");
+        let settings = FitSettings::Separable(settings);
+        let fitted = fit(&Material::new(preset, &material), &settings, &Job::new()).unwrap();
+        let Fit::Separable(fitted) = fitted else { unreachable!("a sum was asked for") };
+        models.push(format!("sum{}.safetensors", runs.len()));
+        let bytes = write_separable(&fitted.model).unwrap();
+        fs::write(folder.join(&models[runs.len()]), bytes).unwrap();
+        runs.push(run);
+    }
+    let found = in_numpy(&python, folder, &models);
+    assert_eq!(found.len(), runs.len());
+    for ((run, model), found) in runs.iter().zip(&models).zip(&found) {
+        compare(run, found, &in_brdf(folder, model));
+    }
+}
+
+/// The program as a reader runs it, on the largest model of a search and on a smaller one.
+#[test]
+fn the_documented_program_reads_any_number_of_textures() {
+    let Some(python) = python() else { return };
+    let root = TempDir::new().unwrap();
+    let folder = root.path();
+    write_inputs(folder);
+    let search = "factor preset:ggx --terms 2 --restarts 1 --space standard --samples 1000 --texture-size 6 -o all";
+    succeed(folder, &search.split(' ').collect::<Vec<_>>());
+    let model = "all/model.safetensors";
+    for keep in ["1", "2"] {
+        succeed(folder, &["factor", "--from", model, "--keep", keep, "-o", keep]);
+        let program = program();
+        let arguments = [program.to_str().unwrap(), model, "pairs.csv", "--textures", keep];
+        let output = Command::new(&python).args(arguments).current_dir(folder).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let found = rows(&text(&output.stdout), 0);
+        compare(keep, &found, &in_brdf(folder, &format!("{keep}/model.safetensors")));
+    }
+    fail(folder, &["eval", model, "--directions", "nothing.csv"], 1);
+}
+
+fn program() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/evaluate_model.py")
+}
+
+/// Pairs up to the horizon and below it, planes, and rows of a material whose green is black.
+fn write_inputs(folder: &Path) {
+    succeed(
+        folder,
+        &[
+            "sample",
+            "preset:red-plastic",
+            "-n",
+            "300",
+            "--max-theta-deg",
+            "89.5",
+            "-o",
+            "pairs.csv",
+        ],
+    );
+    let sampled = fs::read_to_string(folder.join("pairs.csv")).unwrap();
+    // The viewer, then the light, along the normal; then below the horizon.
+    let more = "30,20,0,0,0,0,0\n0,0,70,200,0,0,0\n100,20,30,40,0,0,0\n30,40,91,20,0,0,0\n";
+    fs::write(folder.join("pairs.csv"), format!("{sampled}{more}")).unwrap();
+    let black: Vec<String> = sampled
+        .lines()
+        .take(100)
+        .enumerate()
+        .map(|(index, line)| {
+            let mut fields: Vec<&str> = line.split(',').collect();
+            if index > 0 {
+                fields[5] = "0";
+            }
+            fields.join(",")
+        })
+        .collect();
+    fs::write(folder.join("black.csv"), black.join("\n")).unwrap();
+    let planes = "projections = [[[1,0,1,0],[0,1,0,1]], [[0.3,-0.8,0.1,0.4],[0.9,0.2,-0.5,0.1]]]";
+    fs::write(folder.join("planes.toml"), planes).unwrap();
+}
+
+/// Values of every model at all pairs, by one run of Python.
+fn in_numpy(python: &str, folder: &Path, models: &[String]) -> Vec<Vec<[f64; 3]>> {
+    let script = "import sys, pathlib\n\
+                  sys.dont_write_bytecode = True\n\
+                  sys.path.insert(0, str(pathlib.Path(sys.argv[1]).parent))\n\
+                  from evaluate_model import Model, read_pairs\n\
+                  pairs = read_pairs('pairs.csv')\n\
+                  for name in sys.argv[2:]:\n    \
+                  value = Model(name).evaluate(*pairs)\n    \
+                  print('model')\n    \
+                  for row in value:\n        \
+                  print(*(float(row[c % len(row)]) for c in range(3)), sep=',')\n";
+    let output = Command::new(python)
+        .args(["-c", script])
+        .arg(program())
+        .args(models)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+        .split("model\n")
+        .skip(1)
+        .map(|part| rows(&format!("\n{part}"), 0))
+        .collect()
+}
+
+fn in_brdf(folder: &Path, model: &str) -> Vec<[f64; 3]> {
+    rows(&succeed(folder, &["eval", model, "--directions", "pairs.csv"]), 4)
+}
+
+/// Three numbers of every line but the first, after `skip` others.
+fn rows(table: &str, skip: usize) -> Vec<[f64; 3]> {
+    let numbers = |line: &str| {
+        let values: Vec<f64> = line.split(',').skip(skip).map(|v| v.parse().unwrap()).collect();
+        values.try_into().unwrap()
+    };
+    table.lines().skip(1).map(numbers).collect()
+}
+
+fn compare(run: &str, found: &[[f64; 3]], expected: &[[f64; 3]]) {
+    assert_eq!(found.len(), expected.len(), "{run}");
+    let mean = expected.iter().flatten().sum::<f64>() / (3 * expected.len()) as f64;
+    assert!(mean > 1e-3, "{run}: all black");
+    for (index, (found, expected)) in found.iter().zip(expected).enumerate() {
+        for (f, e) in found.iter().zip(expected) {
+            // Terms of both signs cancel in single precision.
+            let allowed = 1e-5 * e.abs() + 1e-6 * mean;
+            assert!(
+                (f - e).abs() <= allowed,
+                "{run}, pair {index}: {found:?} against {expected:?}"
+            );
+        }
+    }
+}
