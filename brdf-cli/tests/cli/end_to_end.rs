@@ -329,8 +329,10 @@ fn sample_eval_and_convert_feed_each_other() {
     assert_eq!(text(&piped.stdout), values);
 }
 
+/// Mean square log errors on held-out pairs, beside those recorded: an option that is not passed on moves
+/// them by far more than a tenth.
 #[test]
-fn every_method_and_option_runs() {
+fn every_method_and_option_has_its_effect() {
     let root = TempDir::new().unwrap();
     let planes = "projections = [[[1,0,1,0],[0,1,0,1]], [[1,0,0,0],[0,1,0,0]]]";
     fs::write(root.path().join("planes.toml"), planes).unwrap();
@@ -339,53 +341,64 @@ fn every_method_and_option_runs() {
         r#"{"space": "half-difference", "projections": [[[1,0,0,0],[0,1,0,0]]]}"#,
     )
     .unwrap();
-    let searches: [&[&str]; 7] = [
-        &["--luminance", "--reciprocal", "auto", "--space", "standard"],
-        &["--space", "half-difference", "--weight", "f", "--beside", "h"],
-        &[
-            "--search",
-            "powell",
-            "--space",
-            "half-difference",
-            "--luminance",
-            "--objective",
-            "blend",
-        ],
-        &["--start", "planes.toml"],
-        &["--start", "planes.json", "--reciprocal", "off"],
-        &["--start", "mccool", "--space", "standard"],
-        &["--time-limit", "0.001", "--luminance"],
+    let report_of = |method: &[&str], run: &str| {
+        let words = run.split_whitespace();
+        let arguments: Vec<&str> = ["factor", "preset:plastic", "--json"]
+            .iter()
+            .chain(method)
+            .copied()
+            .chain(words)
+            .collect();
+        json(&succeed(root.path(), &arguments))
+    };
+    let held_out = |report: &Value| {
+        let best = report["terms"].as_array().unwrap().last().unwrap()["held_out"].clone();
+        ["log", "linear"].map(|kind| best[kind]["mean_square"].as_f64().unwrap())
+    };
+    let searches = [
+        ("--luminance --reciprocal auto --space standard", 0.0498),
+        ("--space half-difference --weight f --beside h", 0.0424),
+        ("--search powell --space half-difference --luminance --objective blend", 0.0478),
+        ("--start planes.toml", 0.0500),
+        ("--start planes.json --reciprocal off", 0.0590),
+        ("--start mccool --space standard", 0.0380),
+        ("--time-limit 0.001 --luminance", 0.0703),
     ];
-    for run in searches {
-        let arguments = [&["factor", "preset:plastic", "--json"], &SEARCH[..], run].concat();
-        let report = json(&succeed(root.path(), &arguments));
+    for (run, expected) in searches {
+        let report = report_of(&SEARCH, run);
+        let [error, _] = held_out(&report);
+        let is_cut_short = run.contains("0.001");
+        assert!(error < 1.1 * expected, "{run}: {error}");
+        // A faster machine gets further within a millisecond.
+        assert!(is_cut_short || error > 0.9 * expected, "{run}: {error}");
         let best = report["terms"].as_array().unwrap().last().unwrap();
-        let error = best["held_out"]["log"]["mean_square"].as_f64().unwrap();
-        assert!(error < 1.0, "{run:?}: {error}");
-        assert!(!best["projections"].as_array().unwrap().is_empty(), "{run:?}");
+        assert!(!best["projections"].as_array().unwrap().is_empty(), "{run}");
         let stopped = report["search"]["stopped"].as_str();
-        assert_eq!(stopped, run.contains(&"0.001").then_some("time limit"), "{run:?}");
+        assert_eq!(stopped, is_cut_short.then_some("time limit"), "{run}");
     }
-    let runs: [&[&str]; 9] = [
-        &["--method", "radial"],
-        &["--method", "radial", "--reciprocal", "off"],
-        &["--method", "projections", "--projections", "planes.toml"],
-        &["--method", "projections", "--projections", "planes.toml", "--space", "half-difference"],
-        &["--method", "projections", "--projections", "planes.json", "--reciprocal", "off"],
-        &["--log-map", "log", "--weight", "f"],
-        &["--log-map", "highlight", "--weight", "f2"],
-        &["--replicate", "4", "--max-theta-deg", "70", "--seed", "9"],
-        &["--luminance", "--bound", "cube", "--reciprocal", "off"],
+    let runs = [
+        ("--method mccool", 2, 0.0680),
+        ("--method radial", 2, 0.000216),
+        ("--method radial --reciprocal off", 3, 0.000217),
+        ("--method projections --projections planes.toml", 2, 0.100),
+        ("--method projections --projections planes.toml --space half-difference", 2, 0.0679),
+        ("--method projections --projections planes.json --reciprocal off", 1, 0.0681),
+        ("--method mccool --log-map log --weight f", 2, 0.0963),
+        ("--method mccool --log-map highlight --weight f2", 2, 0.0563),
+        ("--method mccool --replicate 4 --max-theta-deg 70 --seed 9", 2, 0.0490),
+        ("--method mccool --luminance --bound cube --reciprocal off", 3, 0.104),
     ];
-    for run in runs {
-        let method = if run[0] == "--method" { &QUICK[2..] } else { &QUICK };
-        let arguments = [&["factor", "preset:plastic", "--json"], method, run].concat();
-        let report = json(&succeed(root.path(), &arguments));
-        let terms = report["terms"].as_array().unwrap();
-        let error = terms.last().unwrap()["held_out"]["log"]["mean_square"].as_f64().unwrap();
+    for (run, textures, expected) in runs {
+        let report = report_of(&QUICK[2..], run);
+        let [log, linear] = held_out(&report);
         // A model of a − f may go negative in the shadows, where its logarithm then is anything.
-        let limit = if run.contains(&"highlight") { 100.0 } else { 1.0 };
-        assert!(error.is_finite() && error < limit, "{run:?}: {error}");
+        let error = if run.contains("highlight") { linear } else { log };
+        assert!((error / expected - 1.0).abs() < 0.1, "{run}: {error}");
+        assert_eq!(
+            report["terms"].as_array().unwrap().last().unwrap()["textures"],
+            textures,
+            "{run}"
+        );
     }
 }
 
