@@ -39,8 +39,11 @@ pub struct GreedyParams {
     pub terms: usize,
     /// Number of texels along each side of a texture during the search.
     pub texture_size: usize,
-    /// Number of random starts of every term, beside two canonical ones; at least 1.
+    /// Number of random starts of every term; at least 1.
     pub restarts: usize,
+    /// Whether every term starts from two canonical planes too: the first direction, and the sum of both. Cole
+    /// 2002 calls them good guesses, but measures with random ones alone.
+    pub canonical_starts: bool,
     /// Number of factors whose textures are solved for together, the new one included; at least 1. Earlier
     /// ones keep theirs. Cole 2002 finds 2 much better than 1, and more hardly better than 2.
     pub last: usize,
@@ -60,6 +63,7 @@ impl Default for GreedyParams {
             terms: 5,
             texture_size: 16,
             restarts: 6,
+            canonical_starts: true,
             last: 2,
             objective: Objective::Relative,
             powell: PowellParams::default(),
@@ -168,9 +172,12 @@ impl Greedy<'_, '_> {
     }
 
     fn starts(&self, term: usize) -> Vec<Rotation4> {
-        let canonical = canonical_projections();
-        let given = self.params.start.get(term).copied();
-        let planes = given.into_iter().chain(CANONICAL.map(|index| canonical[index]));
+        let mut canonical = Vec::new();
+        if self.params.canonical_starts {
+            let all = canonical_projections();
+            canonical.extend(CANONICAL.map(|index| all[index]));
+        }
+        let planes = self.params.start.get(term).copied().into_iter().chain(canonical);
         let mut starts: Vec<Rotation4> =
             planes.map(|plane| Rotation4::from_projection(&plane)).collect();
         let mut rng = StartRng::new(self.params.seed, 201, term as u64);
