@@ -11,6 +11,7 @@ use brdf_model::{DirectionSlices, RgbBatch};
 
 use crate::harmonics::Symmetry;
 use crate::model::{Channel, SplineBrdf};
+use crate::nodes::COSINE_MIN;
 use crate::table::{FADE, Tables};
 
 /// Pairs per tile.
@@ -53,6 +54,9 @@ impl pulp::NullaryFnOnce for Evaluate<'_> {
                 wi[axis][..len].copy_from_slice(&pairs.wi()[axis][start..start + len]);
                 wo[axis][..len].copy_from_slice(&pairs.wo()[axis][start..start + len]);
             }
+            let lit = lit(&wi[2], &wo[2]);
+            hold(&mut wi);
+            hold(&mut wo);
             let places = places(tables, &wi, &wo);
             let mut sums = [[0.0; TILE]; 3];
             // No closures here: what is not inlined is not compiled for the wide vectors.
@@ -66,7 +70,7 @@ impl pulp::NullaryFnOnce for Evaluate<'_> {
                 }
             }
             for (channel, transform) in model.transforms().iter().enumerate() {
-                finish(&mut sums[channel], *transform, &wi[2], &wo[2]);
+                finish(&mut sums[channel], *transform, &lit);
             }
             let source = |channel: usize| &sums[channel.min(tables.channels - 1)][..len];
             out.r[start..start + len].copy_from_slice(source(0));
@@ -225,10 +229,33 @@ fn sum<const CHANNELS: usize>(
 
 /// Brings logarithms back to values, 0 where a direction is not above the surface.
 #[inline(always)]
-fn finish(values: &mut Lane, channel: Channel, zi: &Lane, zo: &Lane) {
+fn finish(values: &mut Lane, channel: Channel, lit: &Lane) {
     let [min, max] = channel.range;
-    for ((value, &zi), &zo) in values.iter_mut().zip(zi).zip(zo) {
-        let lit = f32::from(u8::from(zi > 0.0 && zo > 0.0));
+    for (value, lit) in values.iter_mut().zip(lit) {
         *value = (exp(*value) - channel.offset).clamp(min, max) * lit;
+    }
+}
+
+/// 1 where both directions are above the surface, else 0.
+#[inline(always)]
+fn lit(zi: &Lane, zo: &Lane) -> Lane {
+    let mut lit = [0.0; TILE];
+    for ((lit, &zi), &zo) in lit.iter_mut().zip(zi).zip(zo) {
+        *lit = f32::from(u8::from(zi > 0.0 && zo > 0.0));
+    }
+    lit
+}
+
+/// Brings grazing directions back to the limit, as [`crate::model::hold`] does.
+#[inline(always)]
+fn hold([xs, ys, zs]: &mut [Lane; 3]) {
+    let limit = narrow(COSINE_MIN);
+    let reach = (1.0 - limit * limit).sqrt();
+    for ((x, y), z) in xs.iter_mut().zip(ys).zip(zs) {
+        let scale = reach / (*x * *x + *y * *y).max(1e-30).sqrt();
+        let factor = if *z < limit { scale } else { 1.0 };
+        *x *= factor;
+        *y *= factor;
+        *z = z.max(limit);
     }
 }

@@ -2,11 +2,13 @@
 
 use brdf_model::{Brdf, Channels, DirectionSlices, Rgb, RgbBatch};
 use brdf_param::{DirectionPair, HalfDifference};
+use glam::{DVec2, DVec3};
 
 use crate::basis::CubicBasis;
 use crate::batch;
 use crate::error::SplineError;
 use crate::harmonics::Symmetry;
+use crate::nodes::COSINE_MIN;
 use crate::products::Shape;
 use crate::stream::{Quantized, Steps};
 use crate::table::Tables;
@@ -39,7 +41,7 @@ impl Channel {
 
 /// An isotropic BRDF as a sum of products of splines over θh and over (θd, φd), of ln(a + f).
 ///
-/// It is never brighter than what was fitted. Turning both directions about the normal changes nothing, and
+/// It is never brighter than what was fitted, and keeps its value beyond 87° from the normal. Turning both directions about the normal changes nothing, and
 /// exchanging them changes nothing if [`SplineBrdf::symmetry`] says so. It is evaluated from two linear tables, which
 /// are made when it is read.
 ///
@@ -185,7 +187,8 @@ impl Brdf for SplineBrdf {
         if pair.wi.z <= 0.0 || pair.wo.z <= 0.0 {
             return Rgb::BLACK;
         }
-        let angles = HalfDifference::from_pair(pair);
+        let held = DirectionPair::new(hold(pair.wi), hold(pair.wo));
+        let angles = HalfDifference::from_pair(&held);
         let y = self.tables.read(angles.theta_h, angles.theta_d, angles.phi_d);
         match &self.channels[..] {
             [grey] => Rgb::splat(grey.value(y[0])),
@@ -196,6 +199,15 @@ impl Brdf for SplineBrdf {
     fn eval_batch(&self, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
         batch::evaluate(self, pairs, out);
     }
+}
+
+/// A direction, or the one at its azimuth beyond which models are not fitted.
+pub(crate) fn hold(w: DVec3) -> DVec3 {
+    if w.z >= COSINE_MIN {
+        return w;
+    }
+    let across = w.truncate().normalize_or(DVec2::X) * (1.0 - COSINE_MIN * COSINE_MIN).sqrt();
+    across.extend(COSINE_MIN)
 }
 
 /// The bytes of a model.

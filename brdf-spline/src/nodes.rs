@@ -10,12 +10,12 @@ use crate::harmonics::Symmetry;
 
 /// θh at which nodes change from even spacing to a geometric one, radians.
 const HALF_BEND: f64 = 0.008;
-/// Smallest cosine of a node's directions.
-const COSINE_MIN: f64 = 0.01;
+/// Smallest cosine of a node's directions; models are held beyond.
+pub(crate) const COSINE_MIN: f64 = 0.05;
 /// Beyond this angle nodes are there to keep the model sane, not to be judged, radians.
 const JUDGED: f64 = 80.0 * PI / 180.0;
 /// What they count beside the others.
-const BEYOND: f64 = 0.003;
+const BEYOND: f64 = 0.02;
 
 /// Numbers of nodes along each angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,7 @@ impl Nodes {
                     .enumerate()
                     .map(|(half, &(theta_h, _))| (half, pair(theta_h, difference)))
                     .filter(|(_, pair)| {
-                        pair.wi.z.min(pair.wo.z) > COSINE_MIN && brdf.has_data(pair)
+                        pair.wi.z.min(pair.wo.z) >= COSINE_MIN && brdf.has_data(pair)
                     })
                     .collect();
                 let only: Vec<DirectionPair> = pairs.iter().map(|(_, pair)| *pair).collect();
