@@ -33,6 +33,8 @@ macro_rules! choices {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
+    /// The best small model of the material: splines, GGX lobes or McCool's textures if it is isotropic, else a search
+    Auto,
     /// One texture for each of the best projections, which are searched for
     Search,
     /// p(wi) q(h) p(wo), two textures

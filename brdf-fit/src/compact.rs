@@ -10,6 +10,7 @@ use brdf_model::{
 use brdf_spline::{
     SplineBrdf, SplineSettings, SplineTrial, Symmetry, fit_spline_samples, fit_splines,
 };
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::FitError;
@@ -224,7 +225,7 @@ pub fn fit_compact(
         rows.within(settings.theta_max)
     });
     let fitted = match &rows {
-        Some(rows) => fit_rows(rows, settings, &fitting)?,
+        Some(rows) => fit_rows(rows, settings, None, &fitting)?,
         None => fit_function(material, channels, settings, &fitting)?,
     };
     let seconds = start.elapsed().as_secs_f64();
@@ -238,7 +239,9 @@ pub fn fit_compact(
     let held_out = match &rows {
         Some(rows) => {
             training = Some(measure(rows, model, &log_offsets(rows)));
-            over_folds(rows, settings, &judging)?
+            let least = |a: &&SplineTrial, b: &&SplineTrial| a.score.total_cmp(&b.score);
+            let axis = fitted.trials.iter().min_by(least).copied();
+            over_folds(rows, settings, axis, &judging)?
         }
         None => {
             let seed = ScrambledSobol::held_out_seed(settings.seed);
@@ -322,7 +325,8 @@ fn fit_function(
 ) -> Result<Fitted, FitError> {
     match settings.method {
         CompactMethod::Spline { bytes } => {
-            let spline = SplineSettings { bytes, channels, symmetry: None, seed: settings.seed };
+            let seed = settings.seed;
+            let spline = SplineSettings { bytes, channels, seed, ..SplineSettings::default() };
             Ok(splines(fit_splines(material.brdf(), &spline, job)?))
         }
         CompactMethod::Ggx { lobes } => {
@@ -347,12 +351,15 @@ fn fit_function(
 fn fit_rows(
     rows: &SampleSet,
     settings: &CompactSettings,
+    axis: Option<SplineTrial>,
     job: &Job<'_>,
 ) -> Result<Fitted, FitError> {
     match settings.method {
         CompactMethod::Spline { bytes } => {
             let channels = rows.channels();
-            let spline = SplineSettings { bytes, channels, symmetry: None, seed: settings.seed };
+            let seed = settings.seed;
+            let spline =
+                SplineSettings { bytes, channels, seed, axis, ..SplineSettings::default() };
             Ok(splines(fit_spline_samples(rows, &spline, job)?))
         }
         CompactMethod::Ggx { lobes } => {
@@ -379,24 +386,27 @@ fn lobes_of(model: GgxLobes, samples: usize) -> Fitted {
     Fitted { model, samples, trials: Vec::new(), zeros: 0, not_finite: 0 }
 }
 
-/// Errors of rows under models that were fitted without their fold.
+/// Errors of rows under models that were fitted without their fold. Axes of splines are those of all rows.
 fn over_folds(
     rows: &SampleSet,
     settings: &CompactSettings,
+    axis: Option<SplineTrial>,
     job: &Job<'_>,
 ) -> Result<Option<FitErrors>, FitError> {
     if rows.len() < 2 * FOLDS {
         return Ok(None);
     }
     let offsets = log_offsets(rows);
-    let mut parts = Vec::with_capacity(FOLDS);
-    for fold in rows.folds(FOLDS, settings.seed) {
+    let of_fold = |fold: &Vec<usize>| {
         job.check()?;
         let kept: Vec<usize> =
             (0..rows.len()).filter(|index| fold.binary_search(index).is_err()).collect();
-        let fitted = fit_rows(&rows.select(&kept), settings, &Job::new())?;
-        parts.push((measure(&rows.select(&fold), fitted.model.brdf(), &offsets), fold.len()));
+        let fitted = fit_rows(&rows.select(&kept), settings, axis, &Job::new())?;
         job.advance(1);
-    }
+        Ok((measure(&rows.select(fold), fitted.model.brdf(), &offsets), fold.len()))
+    };
+    let folds = rows.folds(FOLDS, settings.seed);
+    let parts: Vec<(FitErrors, usize)> =
+        folds.par_iter().map(of_fold).collect::<Result<_, FitError>>()?;
     Ok(Some(FitErrors::pooled(&parts)))
 }

@@ -21,6 +21,7 @@
 //! # Ok::<(), brdf_fit::FitError>(())
 //! ```
 
+mod auto;
 mod basis;
 mod compact;
 mod compare;
@@ -28,6 +29,7 @@ mod distribution;
 mod error;
 mod factored;
 mod fit;
+mod fitted;
 mod lobes;
 mod material;
 mod measures;
@@ -42,6 +44,7 @@ mod spectrum;
 mod training;
 mod tried;
 
+pub use auto::{Aim, AutoSettings, fit_auto};
 pub use basis::Basis;
 pub use compact::{
     CompactBrdf, CompactFit, CompactMethod, CompactModel, CompactRecord, CompactSettings,
@@ -53,7 +56,8 @@ pub use error::FitError;
 pub use factored::{
     FactoredFit, FactoredMethod, FactoredModel, FactoredSettings, Reciprocity, fit_factored,
 };
-pub use fit::{Fit, FitSettings, fit};
+pub use fit::{FitSettings, fit};
+pub use fitted::Fit;
 pub use material::Material;
 pub use measures::{Measure, ModelMeasures, PictureMeasures};
 pub use method::{Method, SeparableMap, StrategyKind};
@@ -61,7 +65,7 @@ pub use note::FitNote;
 pub use preinvert::preinvert;
 pub use record::{
     Albedo, BasisRecord, FactoredRecord, FitSettingsRecord, RankRecord, SearchSettingsRecord,
-    SeparableRecord, SeparableSettingsRecord, TermRecord,
+    SeparableRecord, SeparableSettingsRecord, TermRecord, TriedModel,
 };
 pub use report::{
     BaselineReport, CompactReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport,

@@ -3,6 +3,8 @@
 use brdf_job::StopCause;
 use brdf_param::Space;
 
+use crate::record::TriedModel;
+
 /// Something about a fit that its errors alone do not show. What could be done about it is for front ends to say,
 /// who know what their options are called.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +94,26 @@ pub enum FitNote {
     Zeros {
         /// How many values.
         values: usize,
+    },
+    /// The method was chosen among several.
+    ChosenMethod {
+        /// All that were tried, in order.
+        tried: Vec<TriedModel>,
+        /// Whether by the geometric mean of log and linear error over folds of rows, in place of
+        /// [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs.
+        on_rows: bool,
+    },
+    /// An anisotropic material was searched for projections, in place of choosing among isotropic models.
+    SearchedAsAnisotropic {
+        /// Mean change when turned by a quarter, over the mean value.
+        change: f64,
+    },
+    /// No model that was tried is as good as was asked for.
+    ErrorNotReached {
+        /// Error asked for.
+        asked: f64,
+        /// Least error found.
+        found: f64,
     },
     /// Scattered rows were interpolated to fill a matrix.
     Interpolated,

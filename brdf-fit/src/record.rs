@@ -163,3 +163,15 @@ pub struct Albedo {
     /// Of the model with the most terms.
     pub model: f64,
 }
+
+/// A model that was made to be chosen or not.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TriedModel {
+    /// How it was made.
+    pub method: Method,
+    /// Of textures, stream or parameters.
+    pub bytes: usize,
+    /// What models were chosen by.
+    pub error: f64,
+}

@@ -5,7 +5,7 @@ use brdf_factor::EvalCounts;
 use brdf_fit::FitNote;
 use brdf_paint::PaintNote;
 
-use crate::numbers::{percent, significant};
+use crate::numbers::{bytes, percent, significant};
 
 /// Returns a note on a fit as a sentence without a full stop, so that a front end may go on.
 pub fn fit_note(note: &FitNote) -> String {
@@ -84,6 +84,27 @@ pub fn fit_note(note: &FitNote) -> String {
         FitNote::Zeros { values } => format!(
             "{values} values of channels are exactly 0 where the model was fitted: clipped or not measured; there it \
              may be anything that ends at 0"
+        ),
+        FitNote::ChosenMethod { tried, on_rows } => {
+            let tried: Vec<String> = tried
+                .iter()
+                .map(|m| format!("{} of {} {}", m.method, bytes(m.bytes), significant(m.error)))
+                .collect();
+            let by = if *on_rows {
+                "geometric mean of log and linear error over ten folds of the rows"
+            } else {
+                "geometric mean of eight errors, away from the highlight and in it, over validation pairs"
+            };
+            format!("chosen by the {by}: {}", tried.join(", "))
+        }
+        FitNote::SearchedAsAnisotropic { change } => format!(
+            "the material is anisotropic: it differs by {} when turned by a quarter; projections were searched",
+            percent(*change)
+        ),
+        FitNote::ErrorNotReached { asked, found } => format!(
+            "no model that was tried has an error of {} or less; the best has {}",
+            significant(*asked),
+            significant(*found)
         ),
         FitNote::Interpolated => {
             "the rows were interpolated to fill the matrix: between them nothing was measured, and no rows were held out"

@@ -16,8 +16,8 @@ use crate::weights::Weights;
 
 /// Times that terms take their turn in each half of a step.
 const SWEEPS: usize = 3;
-/// Weight of second differences, relative to the mean of the diagonal.
-const ROUGHNESS: f64 = 1e-6;
+/// Weight of second differences, relative to the mean of the diagonal, where nodes fill the domain.
+pub(crate) const ROUGHNESS: f64 = 1e-6;
 /// Weight of harmonics of order m: this times m⁴, relative to that of second differences.
 const HARMONIC_ROUGHNESS: f64 = 0.1;
 /// Columns of a matrix product that are made together: fixed, so that results do not depend on the number of
@@ -27,6 +27,7 @@ const COLUMNS: usize = 64;
 /// A fit under way.
 pub(crate) struct Alternating<'a> {
     nodes: &'a Nodes,
+    roughness: f64,
     offsets: [f64; 3],
     pub(crate) products: Products,
     taps: Vec<Taps>,
@@ -74,7 +75,7 @@ impl Sums {
 
 impl<'a> Alternating<'a> {
     /// Starts with cosines over the axis of θh.
-    pub(crate) fn new(nodes: &'a Nodes, shape: Shape, offsets: [f64; 3]) -> Self {
+    pub(crate) fn new(nodes: &'a Nodes, shape: Shape, offsets: [f64; 3], roughness: f64) -> Self {
         let harmonics = shape.harmonics();
         let taps = nodes.halves.iter().map(|&theta| shape.half_taps(theta)).collect();
         let rows: Vec<DifferenceRow> = nodes
@@ -96,6 +97,7 @@ impl<'a> Alternating<'a> {
         let weighing = Weights::new(nodes, offsets);
         let mut made = Self {
             nodes,
+            roughness,
             offsets,
             targets: targets.collect(),
             weights: weighing.first(nodes),
@@ -339,7 +341,7 @@ impl<'a> Alternating<'a> {
                 let mut gram = Mat::<f64>::zeros(length, length);
                 add_squares(&mut gram, &self.rows, |point| sums.product(point, term, term));
                 let mean = (0..length).map(|i| gram[(i, i)]).sum::<f64>() / length as f64;
-                let ridge = ROUGHNESS * mean + f64::MIN_POSITIVE;
+                let ridge = self.roughness * mean + f64::MIN_POSITIVE;
                 for (harmonic, function) in harmonics.iter().enumerate() {
                     smooth(&mut gram, shape.difference, ridge, |j| j * count + harmonic);
                     let order = function.order as f64;
@@ -475,7 +477,7 @@ impl<'a> Alternating<'a> {
                     }
                 }
                 let mean = (0..basis.count).map(|i| gram[(i, i)]).sum::<f64>() / basis.count as f64;
-                let ridge = ROUGHNESS * mean + f64::MIN_POSITIVE;
+                let ridge = self.roughness * mean + f64::MIN_POSITIVE;
                 smooth(&mut gram, basis, ridge, |j| j);
                 for i in 0..basis.count {
                     gram[(i, i)] += 1e-6 * ridge;

@@ -7,7 +7,7 @@ use brdf_model::{
 use brdf_param::{DirectionPair, HalfDifference};
 use rayon::prelude::*;
 
-use crate::alternating::Alternating;
+use crate::alternating::{Alternating, ROUGHNESS};
 use crate::basis::CubicBasis;
 use crate::error::SplineError;
 use crate::harmonics::Symmetry;
@@ -24,6 +24,8 @@ pub const SPLINE_BYTES: std::ops::RangeInclusive<usize> = 300..=200_000;
 const ALPHAS: [f64; 3] = [0.004, 0.014, 0.05];
 /// Offsets a that are tried, relative to the mean of a channel.
 const OFFSETS: [f64; 3] = [1e-4, 1e-3, 5e-3];
+/// Roughnesses that are tried with scattered samples, which leave gaps.
+const ROUGHNESSES: [f64; 3] = [1e-5, 1e-3, 1e-1];
 /// Steps of a trial, and of the fit.
 const TRIAL_STEPS: usize = 8;
 const STEPS: usize = 18;
@@ -49,11 +51,13 @@ pub struct SplineSettings {
     pub symmetry: Option<Symmetry>,
     /// Which pairs trials are judged by.
     pub seed: u64,
+    /// Axis, offset and roughness of an earlier fit, to be taken as they are; none to try some.
+    pub axis: Option<SplineTrial>,
 }
 
 impl Default for SplineSettings {
     fn default() -> Self {
-        Self { bytes: 8_192, channels: Channels::Rgb, symmetry: None, seed: 1 }
+        Self { bytes: 8_192, channels: Channels::Rgb, symmetry: None, seed: 1, axis: None }
     }
 }
 
@@ -82,6 +86,8 @@ pub struct SplineTrial {
     pub alpha: f64,
     /// a of ln(a + f), relative to the mean value of a channel.
     pub offset: f64,
+    /// Weight of second differences, relative to that of what is fitted.
+    pub roughness: f64,
     /// The geometric mean of errors of [`Fidelity::score`], for a small model that is not rounded.
     pub score: f64,
 }
@@ -111,7 +117,10 @@ pub fn fit_splines(
     let nodes = Nodes::of_grid(brdf, Size::trial(size).grid, symmetry, channels);
     check_data(&nodes)?;
     let judge = |products: &Products, channels: &[Channel]| judges.score(products, channels);
-    let trials = try_axes(&nodes, Size::trial(size), symmetry, &judge, &trying)?;
+    let trials = match settings.axis {
+        Some(axis) => vec![axis],
+        None => try_axes(&nodes, Size::trial(size), symmetry, &[ROUGHNESS], &judge, &trying)?,
+    };
     let best = best(&trials);
 
     let nodes = Nodes::of_grid(brdf, size.grid, symmetry, channels);
@@ -162,7 +171,10 @@ pub fn fit_spline_samples(
         let errors = FidelityErrors::of(&pairs, &reference, &found);
         Fidelity { uniform: errors, highlight: errors }.score()
     };
-    let trials = try_axes(&nodes, Size::trial(size), symmetry, &judge, &trying)?;
+    let trials = match settings.axis {
+        Some(axis) => vec![axis],
+        None => try_axes(&nodes, Size::trial(size), symmetry, &ROUGHNESSES, &judge, &trying)?,
+    };
     let nodes = Nodes::of_samples(&samples);
     let mut made = finish(&nodes, size, symmetry, best(&trials), bytes, &fitting)?;
     made.trials = trials;
@@ -182,8 +194,10 @@ fn check_data(nodes: &Nodes) -> Result<(), SplineError> {
 }
 
 fn best(trials: &[SplineTrial]) -> SplineTrial {
-    let first = SplineTrial { alpha: ALPHAS[1], offset: OFFSETS[1], score: f64::INFINITY };
-    trials.iter().fold(first, |best, trial| if trial.score < best.score { *trial } else { best })
+    let better = |best: SplineTrial, trial: &SplineTrial| {
+        if trial.score < best.score { *trial } else { best }
+    };
+    trials.iter().fold(trials[0], better)
 }
 
 fn symmetry_of(asymmetry: Option<[f64; 2]>) -> Symmetry {
@@ -290,18 +304,21 @@ fn offsets_of(channels: &[Channel]) -> [f64; 3] {
 
 type Judge<'a> = &'a (dyn Fn(&Products, &[Channel]) -> f64 + Sync);
 
+/// Tries axes, then offsets, then roughnesses.
 fn try_axes(
     nodes: &Nodes,
     size: Size,
     symmetry: Symmetry,
+    roughnesses: &[f64],
     judge: Judge<'_>,
     job: &Job<'_>,
 ) -> Result<Vec<SplineTrial>, SplineError> {
-    job.begin("trying axes", (ALPHAS.len() + OFFSETS.len() - 1) as u64);
-    let run = |(alpha, offset): (f64, f64)| {
-        let channels = channels_of(nodes, offset);
-        let shape = size.shape(alpha, symmetry, nodes.channels);
-        let mut fit = Alternating::new(nodes, shape, offsets_of(&channels));
+    let count = ALPHAS.len() + OFFSETS.len() + roughnesses.len() - 2;
+    job.begin("trying axes", count as u64);
+    let run = |trial: SplineTrial| {
+        let channels = channels_of(nodes, trial.offset);
+        let shape = size.shape(trial.alpha, symmetry, nodes.channels);
+        let mut fit = Alternating::new(nodes, shape, offsets_of(&channels), trial.roughness);
         for step in 0..TRIAL_STEPS {
             if job.is_stopped() {
                 break;
@@ -309,14 +326,26 @@ fn try_axes(
             fit.step(step == 3);
         }
         job.advance(1);
-        SplineTrial { alpha, offset, score: judge(&fit.products, &channels) }
+        SplineTrial { score: judge(&fit.products, &channels), ..trial }
+    };
+    let middle = roughnesses[roughnesses.len() / 2];
+    let first = SplineTrial {
+        alpha: ALPHAS[1],
+        offset: OFFSETS[1],
+        roughness: middle,
+        score: f64::INFINITY,
     };
     let mut trials: Vec<SplineTrial> =
-        ALPHAS.par_iter().map(|&alpha| run((alpha, OFFSETS[1]))).collect();
-    let alpha = best(&trials).alpha;
-    let others: Vec<(f64, f64)> =
-        [OFFSETS[0], OFFSETS[2]].into_iter().map(|offset| (alpha, offset)).collect();
-    trials.extend(others.into_par_iter().map(run).collect::<Vec<_>>());
+        ALPHAS.par_iter().map(|&alpha| run(SplineTrial { alpha, ..first })).collect();
+    let with_axis = best(&trials);
+    let offsets = [OFFSETS[0], OFFSETS[2]];
+    trials.par_extend(offsets.par_iter().map(|&offset| run(SplineTrial { offset, ..with_axis })));
+    let with_offset = best(&trials);
+    let others: Vec<f64> =
+        roughnesses.iter().copied().filter(|r| r.total_cmp(&middle).is_ne()).collect();
+    trials.par_extend(
+        others.par_iter().map(|&roughness| run(SplineTrial { roughness, ..with_offset })),
+    );
     job.check()?;
     Ok(trials)
 }
@@ -331,7 +360,7 @@ fn finish(
 ) -> Result<SplineFit, SplineError> {
     let channels = channels_of(nodes, trial.offset);
     let shape = size.shape(trial.alpha, symmetry, nodes.channels);
-    let mut fit = Alternating::new(nodes, shape, offsets_of(&channels));
+    let mut fit = Alternating::new(nodes, shape, offsets_of(&channels), trial.roughness);
     job.begin("fitting splines", STEPS as u64 + 2);
     for step in 0..STEPS {
         job.check()?;

@@ -1,35 +1,62 @@
-//! `brdf factor --method spline | ggx`: compact models of isotropic materials.
+//! `brdf factor --method auto | spline | ggx`: the best model of a size, and compact models of isotropic materials.
 
-use brdf_fit::{CompactMethod, CompactSettings};
+use brdf_fit::{Aim, AutoSettings, CompactMethod, CompactSettings, FactoredSettings};
 
 use super::Factor;
-use crate::args::{first_given, memory, usage};
+use crate::args::{first_given, memory, positive, usage};
 use crate::choices::{LogMapArg, MethodArg};
 
 /// How compact models are made.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Compact models (--method spline, ggx)")]
+#[command(next_help_heading = "Size (--method auto, spline, ggx)")]
 pub(super) struct CompactArgs {
-    /// Most bytes of the splines, such as 2.7k, 8k or 32k [default: 8k]
+    /// Most bytes of the model, such as 2.7k, 8k or 32k [default: 8k]
     #[arg(long, value_name = "BYTES", value_parser = memory)]
     bytes: Option<usize>,
 
+    /// For --method auto: the smallest model with this error, in place of the best of so many bytes. The error is the
+    /// geometric mean of eight, away from the highlight and in it; .02 is hard to see
+    #[arg(long, value_name = "E", conflicts_with = "bytes", value_parser = positive)]
+    error: Option<f64>,
+
     /// GGX lobes [default: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
-    lobes: Option<u8>,
+    pub(super) lobes: Option<u8>,
 }
 
 impl CompactArgs {
     /// The first option that was given, if any.
     pub(super) fn given(&self) -> Option<&'static str> {
-        first_given(&[(self.bytes.is_some(), "--bytes"), (self.lobes.is_some(), "--lobes")])
+        first_given(&[
+            (self.bytes.is_some(), "--bytes"),
+            (self.error.is_some(), "--error"),
+            (self.lobes.is_some(), "--lobes"),
+        ])
     }
 }
 
 impl Factor {
-    /// How the compact model is made.
-    pub(super) fn compact_settings(&self) -> anyhow::Result<CompactSettings> {
-        let (name, args) = (self.method.name(), &self.compact);
+    /// What the best small model may cost or has to reach.
+    pub(super) fn auto_settings(&self) -> anyhow::Result<AutoSettings> {
+        self.refuse_others()?;
+        if self.compact.lobes.is_some() {
+            return Err(usage("--lobes is for --method ggx"));
+        }
+        let aim = match (self.compact.bytes, self.compact.error) {
+            (_, Some(error)) => Aim::Error(error),
+            (bytes, None) => bytes.map_or(Aim::default(), Aim::Bytes),
+        };
+        let search = FactoredSettings {
+            theta_max: self.pairs.theta_max(),
+            seed: self.seed,
+            channels: self.pairs.channels(),
+            ..FactoredSettings::default()
+        };
+        Ok(AutoSettings { aim, search })
+    }
+
+    /// Refuses the options of textures and of their sums.
+    fn refuse_others(&self) -> anyhow::Result<()> {
         let others = [
             (self.space.is_some(), "--space"),
             (self.log_map != LogMapArg::Offset, "--log-map"),
@@ -39,10 +66,19 @@ impl Factor {
             .or_else(|| self.texture_option_given())
             .or_else(|| self.separable.given())
             .or_else(|| self.search.given());
-        if let Some(option) = given {
-            return Err(usage(format!("{option} does not apply to --method {name}")));
+        given.map_or(Ok(()), |option| {
+            Err(usage(format!("{option} does not apply to --method {}", self.method().name())))
+        })
+    }
+
+    /// How the compact model is made.
+    pub(super) fn compact_settings(&self) -> anyhow::Result<CompactSettings> {
+        self.refuse_others()?;
+        let args = &self.compact;
+        if args.error.is_some() {
+            return Err(usage("--error is for --method auto"));
         }
-        let method = match (self.method, args.bytes, args.lobes) {
+        let method = match (self.method(), args.bytes, args.lobes) {
             (MethodArg::Ggx, None, lobes) => {
                 CompactMethod::Ggx { lobes: lobes.map_or(2, usize::from) }
             }

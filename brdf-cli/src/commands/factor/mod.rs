@@ -29,20 +29,22 @@ use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, W
 use crate::outputs::{FolderArgs, command_line, write_all};
 use crate::progress::Watch;
 
-/// Factor a BRDF into small textures, say how good they are, and show it
+/// Make a small model of a BRDF, say how good it is, and show it
 ///
-/// Searches for the projections π_j under which log f(wi, wo) = Σ log p_j(π_j(wi, wo)) fits best,
-/// solves for the textures p_j by least squares, and writes one folder: model.safetensors with the
-/// best model of every number of textures, each texture as EXR (log values, exact) and PNG (to look
-/// at), spheres.png (reference, approximation, difference ×4), report.html and report.json. Ctrl-C
-/// ends a search with the best found so far.
+/// Without --method an isotropic material becomes the best model of 8 kB (--bytes): splines, GGX lobes or
+/// McCool's textures. An anisotropic one is searched for the projections π_j under which
+/// log f(wi, wo) = Σ log p_j(π_j(wi, wo)) fits best, with textures p_j by least squares. What is written is one
+/// folder: model.safetensors, spheres.png (reference, approximation, difference ×4), report.html and
+/// report.json; of textures also each as EXR (log values, exact) and PNG (to look at). Ctrl-C ends a search
+/// with the best found so far.
 ///
 /// Examples:
 ///   brdf factor                                    the built-in blue paint, into ./brdf-out
-///   brdf factor garnet_red.brdf -o garnet          a measured file
+///   brdf factor silk.binary -o silk                the best model of 8 kB of a measured file
+///   brdf factor silk.binary --bytes 2.7k           smaller, or --error .02: as small as is good enough
+///   brdf factor garnet_red.brdf --terms 5 -o garnet           a search, by its options
 ///   brdf factor silk.binary --terms 3 --space half-difference --texture-size 32
 ///   brdf factor --from garnet/model.safetensors --keep 2 -o small
-///   brdf factor silk.binary --method spline --bytes 8k     a few kilobytes that keep the highlight
 ///   brdf factor preset:ggx --method mccool         two textures over fixed coordinates, at once
 ///   brdf factor preset:ggx --method projections --projections planes.toml --space half-difference
 ///   brdf factor preset:plastic --method eigen --rank 16       sums of products, for relighting
@@ -57,9 +59,9 @@ pub(super) struct Factor {
     #[arg(default_value = "preset:lafortune-blue-paint")]
     input: String,
 
-    /// Which coordinates the textures have
-    #[arg(long, value_enum, default_value_t = MethodArg::Search)]
-    method: MethodArg,
+    /// What the model is made of [default: auto, or the method whose options are given]
+    #[arg(long, value_enum)]
+    method: Option<MethodArg>,
 
     /// For --method projections: JSON or TOML with `projections`, one pair of rows for each texture.
     /// A row's four numbers multiply the parabolic coordinates of wi and wo (or of h and d); for
@@ -145,12 +147,11 @@ impl Factor {
         if let Some(kept) = self.keep.open()? {
             return keep::run(&kept, &self.folder.output, self.folder.force, self.json, out);
         }
-        let settings = if self.method.is_separable() {
-            FitSettings::Separable(self.separable_settings()?)
-        } else if self.method.is_compact() {
-            FitSettings::Compact(self.compact_settings()?)
-        } else {
-            FitSettings::Factored(self.factored_settings()?)
+        let settings = match self.method() {
+            MethodArg::Auto => FitSettings::Auto(self.auto_settings()?),
+            method if method.is_separable() => FitSettings::Separable(self.separable_settings()?),
+            method if method.is_compact() => FitSettings::Compact(self.compact_settings()?),
+            _ => FitSettings::Factored(self.factored_settings()?),
         };
         let inversion = self.preinvert.inversion(&settings)?;
         let file = self.read.open(&self.input)?;
@@ -199,6 +200,21 @@ impl Factor {
             _ => writeln!(out, "{said}{}", place.join("report.html").display())?,
         }
         Ok(())
+    }
+
+    /// The method that was asked for, or that has the options that were given.
+    fn method(&self) -> MethodArg {
+        let is_of_textures = self.search.given().or_else(|| self.texture_option_given()).is_some()
+            || self.texture_size.is_some()
+            || self.space.is_some()
+            || self.log_map != LogMapArg::Offset
+            || self.preinvert.is_given();
+        match self.method {
+            Some(method) => method,
+            None if is_of_textures => MethodArg::Search,
+            None if self.compact.lobes.is_some() => MethodArg::Ggx,
+            None => MethodArg::Auto,
+        }
     }
 
     fn factored_settings(&self) -> anyhow::Result<FactoredSettings> {

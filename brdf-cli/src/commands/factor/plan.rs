@@ -72,14 +72,14 @@ impl SearchArgs {
 impl Factor {
     /// Refuses what only sums of products have.
     pub(super) fn check_homomorphic(&self) -> anyhow::Result<()> {
-        let name = self.method.name();
+        let name = self.method().name();
         if let Some(option) = self.separable.given() {
             return Err(usage(format!(
                 "{option} is for --method svd, log-svd, eigen, nmf or normalized, not {name}"
             )));
         }
         if let Some(option) = self.compact.given() {
-            return Err(usage(format!("{option} is for --method spline or ggx, not {name}")));
+            return Err(usage(format!("{option} is for --method auto, spline or ggx, not {name}")));
         }
         if self.log_map.homomorphic().is_none() {
             return Err(usage(format!("--log-map cosine is for --method log-svd, not {name}")));
@@ -95,15 +95,15 @@ impl Factor {
 
     /// What is to be done.
     pub(super) fn plan(&self) -> anyhow::Result<FactoredMethod> {
-        if self.method != MethodArg::Projections && self.projections.is_some() {
+        if self.method() != MethodArg::Projections && self.projections.is_some() {
             return Err(usage(
                 "--projections is for --method projections (--start begins a search)",
             ));
         }
-        if self.method == MethodArg::Search {
+        if self.method() == MethodArg::Search {
             return Ok(FactoredMethod::Search(self.search_settings()?));
         }
-        let name = self.method.name();
+        let name = self.method().name();
         if let Some(option) = self.search.given() {
             return Err(usage(format!("{option} is for --method search, not {name}")));
         }
@@ -113,13 +113,13 @@ impl Factor {
         if self.space == Some(SpaceArg::Auto) {
             return Err(usage(format!("--space auto is for --method search, not {name}")));
         }
-        if self.method != MethodArg::Projections && self.space == Some(SpaceArg::HalfDifference) {
+        if self.method() != MethodArg::Projections && self.space == Some(SpaceArg::HalfDifference) {
             return Err(usage(format!(
                 "--method {name} has coordinates of its own: --space half-difference does not \
                  apply to it"
             )));
         }
-        Ok(match self.method {
+        Ok(match self.method() {
             MethodArg::Radial => FactoredMethod::Radial,
             MethodArg::Projections => {
                 let Some(path) = &self.projections else {

@@ -48,6 +48,11 @@ impl PreinvertArgs {
         Ok(Some(basis))
     }
 
+    /// A matrix is to be kept or used.
+    pub(super) fn is_given(&self) -> bool {
+        self.preinvert.is_some() || self.with.is_some()
+    }
+
     /// How the matrix is to be inverted, if it is.
     pub(super) fn inversion(&self, settings: &FitSettings) -> anyhow::Result<Option<Inversion>> {
         if self.preinvert.is_none() {
@@ -55,7 +60,7 @@ impl PreinvertArgs {
         }
         let method = match settings {
             FitSettings::Factored(settings) => Some(&settings.method),
-            FitSettings::Separable(_) | FitSettings::Compact(_) => None,
+            _ => None,
         };
         if !matches!(method, Some(FactoredMethod::McCool | FactoredMethod::Radial)) {
             return Err(usage("--preinvert is for --method mccool or radial"));

@@ -95,7 +95,7 @@ impl Factor {
     }
 
     fn separable_method(&self) -> SeparableMethod {
-        match self.method {
+        match self.method() {
             MethodArg::LogSvd if self.log_map == LogMapArg::Cosine => {
                 SeparableMethod::LogSvd(LogChoice::Cosine)
             }
@@ -117,7 +117,7 @@ impl Factor {
             None if is_merl => Parametrization::HalfDifference,
             None => Parametrization::Standard,
             Some(space) => space.parametrization().ok_or_else(|| {
-                usage(format!("--space auto is for --method search, not {}", self.method.name()))
+                usage(format!("--space auto is for --method search, not {}", self.method().name()))
             })?,
         };
         let is_half_difference = parametrization == Parametrization::HalfDifference;
@@ -145,7 +145,7 @@ impl Factor {
 
     /// Refuses what sums of products do not have.
     fn check_separable(&self, settings: &SeparableSettings) -> anyhow::Result<()> {
-        let name = self.method.name();
+        let name = self.method().name();
         let size = (self.texture_size.is_some(), "--texture-size (--resolution is the one)");
         let given = first_given(&[size]).or_else(|| self.texture_option_given());
         if let Some(option) = given.or_else(|| self.compact.given()) {
@@ -154,7 +154,7 @@ impl Factor {
         if let Some(option) = self.search.given() {
             return Err(usage(format!("{option} is for --method search, not {name}")));
         }
-        let takes_log = self.method == MethodArg::LogSvd;
+        let takes_log = self.method() == MethodArg::LogSvd;
         match self.log_map {
             LogMapArg::Offset => {}
             LogMapArg::Cosine if takes_log => {}
@@ -164,17 +164,18 @@ impl Factor {
             _ => return Err(usage(format!("--log-map does not apply to --method {name}"))),
         }
         let args = &self.separable;
-        if self.method == MethodArg::Eigen && (args.joint_rgb || !settings.layout().is_symmetric())
+        if self.method() == MethodArg::Eigen
+            && (args.joint_rgb || !settings.layout().is_symmetric())
         {
             return Err(usage(
                 "--method eigen needs one symmetric matrix a channel: --space standard, no --isotropic, \
                  no --joint-rgb",
             ));
         }
-        if self.method == MethodArg::Normalized && args.rank.is_some_and(|rank| rank != 1) {
+        if self.method() == MethodArg::Normalized && args.rank.is_some_and(|rank| rank != 1) {
             return Err(usage("--method normalized has one term: no --rank above 1"));
         }
-        if self.separable.eigen_solver.is_some() && self.method != MethodArg::Eigen {
+        if self.separable.eigen_solver.is_some() && self.method() != MethodArg::Eigen {
             return Err(usage(format!("--eigen-solver is for --method eigen, not {name}")));
         }
         Ok(())

@@ -1,0 +1,185 @@
+//! The method that suits a material, by trying those that may.
+
+use brdf_job::Job;
+use brdf_model::{ANISOTROPIC, Channels, FidelityPairs, FitErrors, ScrambledSobol, anisotropy};
+use brdf_spline::SPLINE_BYTES;
+
+use crate::compact::{CompactMethod, CompactSettings, fit_compact};
+use crate::error::FitError;
+use crate::factored::{FactoredMethod, FactoredSettings, fit_factored};
+use crate::fitted::Fit;
+use crate::material::Material;
+use crate::note::FitNote;
+use crate::record::TriedModel;
+
+/// Bytes of a texel of three channels.
+const TEXEL_BYTES: usize = 12;
+/// Textures of McCool's factorization.
+const MCCOOL_TEXTURES: usize = 2;
+/// Sizes that are tried until one reaches an error.
+const SIZES: [usize; 6] = [500, 1_000, 2_700, 8_192, 16_384, 33_000];
+
+/// What a model may cost, or what it has to reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aim {
+    /// The best model of at most so many bytes.
+    Bytes(usize),
+    /// The smallest model whose error is at most this: [`Fidelity::score`](brdf_model::Fidelity::score), or for scattered
+    /// samples the geometric mean of log and linear error over folds.
+    Error(f64),
+}
+
+impl Default for Aim {
+    fn default() -> Self {
+        Self::Bytes(8 << 10)
+    }
+}
+
+/// How a method is chosen.
+#[derive(Clone, Debug)]
+pub struct AutoSettings {
+    /// What the model may cost, or has to reach.
+    pub aim: Aim,
+    /// How an anisotropic material is searched; the grazing limit, seed and channels of these are those of all methods.
+    pub search: FactoredSettings,
+}
+
+impl Default for AutoSettings {
+    fn default() -> Self {
+        Self { aim: Aim::default(), search: FactoredSettings::default() }
+    }
+}
+
+/// Fits a material by the methods that may suit it and returns the best, with a [`FitNote::ChosenMethod`].
+///
+/// An isotropic material gets splines, one or two GGX lobes or McCool's textures: whichever has the lowest
+/// [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs, which are neither fitted nor held out. Scattered
+/// samples are judged by the geometric mean of log and linear error (root mean squares) over ten folds. An anisotropic material is searched for projections,
+/// since the others would lose what turns with it.
+///
+/// # Errors
+///
+/// [`FitError`].
+pub fn fit_auto(
+    material: &Material<'_>,
+    settings: &AutoSettings,
+    job: &Job<'_>,
+) -> Result<Fit, FitError> {
+    let change = anisotropy(material.brdf());
+    if material.samples().is_none() && change > ANISOTROPIC {
+        let mut found = Fit::Factored(fit_factored(material, &settings.search, job)?);
+        found.add_note(FitNote::SearchedAsAnisotropic { change });
+        return Ok(found);
+    }
+    let judge = Judge::new(material, settings);
+    let steps: Vec<Vec<Candidate>> = match settings.aim {
+        Aim::Bytes(bytes) => vec![candidates(settings, bytes)],
+        Aim::Error(_) => SIZES.iter().map(|&bytes| candidates(settings, bytes)).collect(),
+    };
+    let mut tried: Vec<TriedModel> = Vec::new();
+    let mut best: Option<(f64, Fit)> = None;
+    for (step, job) in steps.iter().zip(job.split_into(&vec![1.0; steps.len()])) {
+        for (candidate, job) in step.iter().zip(job.split_into(&vec![1.0; step.len()])) {
+            let found = match candidate.fit(material, &job) {
+                Ok(found) => found,
+                // A method that cannot take the material is no candidate, unless there is no other.
+                Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
+                Err(error) if step.len() == 1 => return Err(error),
+                Err(_) => continue,
+            };
+            let error = judge.error(material, &found);
+            let model = TriedModel { method: found.method(), bytes: found.bytes(), error };
+            if !tried.contains(&model) {
+                tried.push(model);
+            }
+            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                best = Some((error, found));
+            }
+        }
+        if let (Aim::Error(limit), Some((error, _))) = (settings.aim, &best)
+            && *error <= limit
+        {
+            break;
+        }
+    }
+    let Some((error, mut found)) = best else {
+        // Every candidate failed: say why the first did.
+        return candidates(settings, SIZES[3])[0].fit(material, job);
+    };
+    if let Aim::Error(limit) = settings.aim
+        && error > limit
+    {
+        found.add_note(FitNote::ErrorNotReached { asked: limit, found: error });
+    }
+    found.add_note(FitNote::ChosenMethod { tried, on_rows: material.samples().is_some() });
+    Ok(found)
+}
+
+/// A model that may be the best.
+enum Candidate {
+    Compact(CompactSettings),
+    Factored(Box<FactoredSettings>),
+}
+
+impl Candidate {
+    fn fit(&self, material: &Material<'_>, job: &Job<'_>) -> Result<Fit, FitError> {
+        Ok(match self {
+            Self::Compact(settings) => Fit::Compact(fit_compact(material, settings, job)?),
+            Self::Factored(settings) => Fit::Factored(fit_factored(material, settings, job)?),
+        })
+    }
+}
+
+/// What is tried for an isotropic material and so many bytes.
+fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
+    let common = &settings.search;
+    let compact = |method| {
+        Candidate::Compact(CompactSettings {
+            method,
+            theta_max: common.theta_max,
+            seed: common.seed,
+            channels: common.channels,
+        })
+    };
+    let bytes = bytes.clamp(*SPLINE_BYTES.start(), *SPLINE_BYTES.end());
+    let size = (bytes / (TEXEL_BYTES * MCCOOL_TEXTURES)).isqrt().clamp(2, 64);
+    let mccool = FactoredSettings {
+        method: FactoredMethod::McCool,
+        texture_size: Some(size),
+        ..common.clone()
+    };
+    vec![
+        compact(CompactMethod::Spline { bytes }),
+        compact(CompactMethod::Ggx { lobes: 1 }),
+        compact(CompactMethod::Ggx { lobes: 2 }),
+        Candidate::Factored(Box::new(mccool)),
+    ]
+}
+
+/// What models are chosen by.
+struct Judge {
+    pairs: FidelityPairs,
+    channels: Channels,
+}
+
+impl Judge {
+    fn new(material: &Material<'_>, settings: &AutoSettings) -> Self {
+        let common = &settings.search;
+        let seed = ScrambledSobol::validation_seed(common.seed);
+        Self {
+            pairs: FidelityPairs::new(seed, common.theta_max),
+            channels: common.channels.unwrap_or(material.channels()),
+        }
+    }
+
+    fn error(&self, material: &Material<'_>, found: &Fit) -> f64 {
+        if material.samples().is_some() {
+            let errors = found.held_out().or_else(|| found.training());
+            // Root mean squares; relative to each other linear ones need no unit.
+            let both = |e: &FitErrors| (e.log.mean_square * e.linear.mean_square).powf(0.25);
+            return errors.map_or(f64::INFINITY, both);
+        }
+        let reference = self.channels.of(material.brdf());
+        self.pairs.measure(&*reference, found.brdf()).score()
+    }
+}
