@@ -28,8 +28,6 @@ pub(crate) fn fit_notes(read: &[ReadNote], notes: &[FitNote]) -> Vec<String> {
     let advice = |note: &FitNote| match note {
         FitNote::Clamped { in_colour: true, .. } => " (--luminance avoids most of it)",
         FitNote::NotTakenIsotropic => " (--replicate 32 adds turned copies)",
-        FitNote::FewRows { .. } => "; --texture-size 16 --smoothing 1e-2 gives a calmer picture",
-        FitNote::GainsEnergy { .. } => "; more smoothing or --weight f may mend it",
         FitNote::AlbedoOff { factored: true, .. } => "; --weight f favours them",
         FitNote::PowerIteration { .. } => "; --eigen-solver krylov meets 1e-5",
         _ => "",

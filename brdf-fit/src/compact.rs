@@ -239,9 +239,7 @@ pub fn fit_compact(
     let held_out = match &rows {
         Some(rows) => {
             training = Some(measure(rows, model, &log_offsets(rows)));
-            let least = |a: &&SplineTrial, b: &&SplineTrial| a.score.total_cmp(&b.score);
-            let axis = fitted.trials.iter().min_by(least).copied();
-            over_folds(rows, settings, axis, &judging)?
+            over_folds(rows, settings, &fitted, &judging)?
         }
         None => {
             let seed = ScrambledSobol::held_out_seed(settings.seed);
@@ -351,12 +349,14 @@ fn fit_function(
 fn fit_rows(
     rows: &SampleSet,
     settings: &CompactSettings,
-    axis: Option<SplineTrial>,
+    earlier: Option<&Fitted>,
     job: &Job<'_>,
 ) -> Result<Fitted, FitError> {
     match settings.method {
         CompactMethod::Spline { bytes } => {
             let channels = rows.channels();
+            let least = |a: &&SplineTrial, b: &&SplineTrial| a.score.total_cmp(&b.score);
+            let axis = earlier.and_then(|fit| fit.trials.iter().min_by(least).copied());
             let seed = settings.seed;
             let spline =
                 SplineSettings { bytes, channels, seed, axis, ..SplineSettings::default() };
@@ -365,7 +365,11 @@ fn fit_rows(
         CompactMethod::Ggx { lobes } => {
             let few = rows.subset(LOBE_ROWS);
             let nothing = SampleSet::new(rows.channels());
-            let model = LobeProblem::new(&few, &nothing).solve(lobes, job)?;
+            let problem = LobeProblem::new(&few, &nothing);
+            let model = match earlier.map(|fit| &fit.model) {
+                Some(CompactBrdf::Ggx(start)) => problem.solve_near(start, job),
+                _ => problem.solve(lobes, job)?,
+            };
             Ok(lobes_of(model, few.len()))
         }
     }
@@ -386,11 +390,12 @@ fn lobes_of(model: GgxLobes, samples: usize) -> Fitted {
     Fitted { model, samples, trials: Vec::new(), zeros: 0, not_finite: 0 }
 }
 
-/// Errors of rows under models that were fitted without their fold. Axes of splines are those of all rows.
+/// Errors of rows under models that were fitted without their fold. Axes of splines, and where lobes start, are those of
+/// the fit of all rows.
 fn over_folds(
     rows: &SampleSet,
     settings: &CompactSettings,
-    axis: Option<SplineTrial>,
+    whole: &Fitted,
     job: &Job<'_>,
 ) -> Result<Option<FitErrors>, FitError> {
     if rows.len() < 2 * FOLDS {
@@ -401,7 +406,7 @@ fn over_folds(
         job.check()?;
         let kept: Vec<usize> =
             (0..rows.len()).filter(|index| fold.binary_search(index).is_err()).collect();
-        let fitted = fit_rows(&rows.select(&kept), settings, axis, &Job::new())?;
+        let fitted = fit_rows(&rows.select(&kept), settings, Some(whole), &Job::new())?;
         job.advance(1);
         Ok((measure(&rows.select(fold), fitted.model.brdf(), &offsets), fold.len()))
     };

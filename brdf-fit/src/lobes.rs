@@ -76,6 +76,11 @@ impl LobeProblem {
         Ok(model_of(&best.map_or_else(|| self.start(STARTS[1], lobes), |(_, logs)| logs)))
     }
 
+    /// Returns the best model near another.
+    pub(crate) fn solve_near(&self, start: &GgxLobes, job: &Job<'_>) -> GgxLobes {
+        model_of(&self.solve_from(logs_of(start), job).1)
+    }
+
     /// A diffuse base of the median value, and lobes of a few percent.
     fn start(&self, alpha: f64, lobes: usize) -> Vec<f64> {
         let diffuse: [f64; 3] = std::array::from_fn(|c| {
@@ -248,6 +253,16 @@ fn weighted(means: [[f64; MEASURES]; 2], factors: [[f64; MEASURES]; 2]) -> f64 {
         .zip(factors.as_flattened())
         .map(|(mean, factor)| mean * factor)
         .sum()
+}
+
+/// The logarithms that make this model.
+fn logs_of(model: &GgxLobes) -> Vec<f64> {
+    let base = [model.diffuse, model.sheen].map(|v| v.channels()).concat();
+    let lobes = model
+        .lobes
+        .iter()
+        .flat_map(|lobe| lobe.f0.channels().into_iter().chain([lobe.f90, lobe.alpha]));
+    base.into_iter().chain(lobes).map(|v| v.ln().clamp(-LIMIT, LIMIT)).collect()
 }
 
 /// The model of these logarithms: diffuse, sheen, then f0, f90 and α of each lobe.
