@@ -21,7 +21,10 @@ class Model:
     def __init__(self, path):
         with safe_open(path, "np") as file:
             self.record = json.loads(file.metadata()["brdf"])
-            self.tensors = {name: file.get_tensor(name).astype(float) for name in file.keys()}
+            tensors = {name: file.get_tensor(name) for name in file.keys()}
+        self.tensors = {name: tensor.astype(float) for name, tensor in tensors.items()}
+        if self.record["kind"] == "spline":
+            self.splines = Splines(tensors["stream"].tobytes())
 
     def evaluate(self, wi, wo, textures=None):
         """Reflectance in 1/sr, shape [n, 1 or 3], at unit directions of shape [n, 3], z = normal."""
@@ -30,6 +33,10 @@ class Model:
             value = product_of_textures(self.record, self.tensors, wi, wo, textures)
         elif kind == "separable":
             value = sum_of_products(self.record, self.tensors, wi, wo)
+        elif kind == "spline":
+            value = self.splines.evaluate(wi, wo)
+        elif kind == "ggx":
+            value = ggx_lobes(self.record["fit"]["makeup"]["lobes"], wi, wo)
         else:
             raise ValueError(f"a file of kind {kind!r}, which is no model of `brdf factor`")
         lit = (wi[:, 2:] > 0) & (wo[:, 2:] > 0)
@@ -261,6 +268,275 @@ def inverse_map(map, value, cos_theta_i):
         "offset": lambda: np.exp(value) - map["a"],
         "cosine": lambda: np.expm1(value) / np.maximum(cos_theta_i, 0.02),
     }[map["map"]]()
+
+
+# Splines
+
+SYMMETRIES = ("none", "mirror", "reciprocal", "both")
+GROUPS, SIZES, DIGITS = 3, 14, 24
+HALF_NODES = 512
+
+
+class Splines:
+    """A stream: its head, the coefficients, and the two tables that follow from them."""
+
+    def __init__(self, stream):
+        kind, self.terms, self.half_count, self.difference_count, self.order = stream[:5]
+        if kind >> 3 != 1:
+            raise ValueError(f"a stream of version {kind >> 3}, not 1")
+        self.symmetry = SYMMETRIES[kind & 3]
+        self.channels = 3 if kind & 4 else 1
+        self.period = {"none": 2 * np.pi, "both": np.pi / 2}.get(self.symmetry, np.pi)
+        rest = 17 + 12 * self.channels
+        numbers = np.frombuffer(stream[5:rest], "<f4").astype(float)
+        self.alpha, self.half_step, self.difference_step = numbers[:3]
+        self.offset, self.least, self.most = numbers[3:].reshape(-1, 3).T
+        self.exponents = np.frombuffer(stream[rest : rest + self.terms], np.int8).astype(float)
+        self.harmonics = harmonics(self.symmetry, self.order)
+        self.read_coefficients(Integers(stream[rest + self.terms :]))
+        self.make_tables()
+
+    def read_coefficients(self, integers):
+        """half [term, spline], difference [term, spline, harmonic, channel]."""
+        half = np.array([integers.line(0, self.half_count, None)[0] for _ in range(self.terms)], float)
+        self.half = half * (self.half_step * 2 ** (-self.exponents / 4))[:, None]
+
+        difference = []
+        above = [None] * self.channels
+        for _ in range(self.terms):
+            lines = []
+            for _ in self.harmonics:
+                found = [
+                    integers.line(min(colour, 1) + 1, self.difference_count, above[colour])
+                    for colour in range(self.channels)
+                ]
+                lines.append([values for values, _ in found])
+                above = [rests for _, rests in found]
+                if len(lines) == 1:
+                    first = above
+            difference.append(lines)
+            above = first  # the next term's first line follows this term's first
+        # From [term, harmonic, colour, spline].
+        difference = np.array(difference, float).transpose(0, 3, 1, 2)
+        peaks = (np.arange(self.difference_count) - 1) / (self.difference_count - 3)
+        sine = np.sin(difference_angle(peaks))
+        envelope = np.stack([sine**order for order, _ in self.harmonics], axis=1)
+        steps = self.difference_step / np.maximum(envelope, 1 / 8)
+        self.difference = from_opponent(difference * steps[None, :, :, None])
+
+    def make_tables(self):
+        """half_table [node, term], difference_table [row, column, term, channel]; the last column is the mean."""
+        at, weights = half_taps(np.linspace(0, 1, HALF_NODES), self.half_count)
+        self.half_table = np.einsum("nt,knt->nk", weights, self.half[:, at]).astype(np.float32)
+
+        rows = 3 * self.difference_count
+        quarters = int(np.ceil(self.order * self.period / (np.pi / 2)))
+        columns = max(3 * quarters, 8) + 1
+        at, weights = difference_taps(np.linspace(0, 1, rows), self.difference_count)
+        over_theta = np.einsum("nt,kntmc->nkmc", weights, self.difference[:, at])
+        sine = np.sin(difference_angle(np.linspace(0, 1, rows)))
+        phi = self.period * np.linspace(0, 1, columns)
+        angular = np.zeros((columns + 1, len(self.harmonics)))
+        for m, (order, is_sine) in enumerate(self.harmonics):
+            over_theta[:, :, m] *= (sine**order)[:, None, None]
+            angular[:columns, m] = np.sin(order * phi) if is_sine else np.cos(order * phi)
+        angular[columns, 0] = 1  # only the harmonic of order 0 has a mean
+        self.difference_table = np.einsum("nkmc,jm->njkc", over_theta, angular).astype(np.float32)
+
+    def evaluate(self, wi, wo):
+        wi, wo = (pulled_back(w, np.arccos(0.05)) for w in (wi, wo))
+        h = half_vector(wi, wo)
+        theta_h, _ = polar_and_azimuth(h)
+        theta_d, phi_d = polar_and_azimuth(rusinkiewicz_difference(wi, h))
+        rows, columns = self.difference_table.shape[:2]
+        columns -= 1
+        place = np.arcsinh(theta_h / self.alpha) / np.arcsinh(np.pi / 2 / self.alpha)
+        node, next_node, u = between(place * (HALF_NODES - 1), HALF_NODES)
+        g = (1 - u[:, None]) * self.half_table[node] + u[:, None] * self.half_table[next_node]
+
+        row = between(difference_axis(theta_d) * (rows - 1), rows)
+        column = between(self.fold(phi_d) / self.period * (columns - 1), columns)
+        value = bilinear(self.difference_table[:, :columns], column, row)
+        i, next_i, v = row
+        v = v[:, None, None]
+        mean = (1 - v) * self.difference_table[i, columns] + v * self.difference_table[next_i, columns]
+        known = np.minimum(theta_h / 1e-5, 1)[:, None, None]
+        y = np.einsum("nk,nkc->nc", g, known * value + (1 - known) * mean)
+        return np.clip(np.exp(y) - self.offset, self.least, self.most)
+
+    def fold(self, phi):
+        """phi_d in (-pi, pi], brought to the range from 0 to the period."""
+        if self.symmetry == "none":
+            return np.where(phi < 0, phi + 2 * np.pi, phi)
+        if self.symmetry == "mirror":
+            return np.abs(phi)
+        if self.symmetry == "reciprocal":
+            return np.where(phi < 0, phi + np.pi, phi)
+        return np.minimum(np.abs(phi), np.pi - np.abs(phi))
+
+
+def harmonics(symmetry, order):
+    """Every harmonic as its order and whether it is the sine."""
+    found = []
+    for m in range(0, order + 1, 2 if symmetry in ("reciprocal", "both") else 1):
+        found.append((m, False))
+        if m > 0 and symmetry in ("none", "reciprocal"):
+            found.append((m, True))
+    return found
+
+
+def polar_and_azimuth(w):
+    x, y, z = w.T
+    return np.arctan2(np.hypot(x, y), z), np.where((x == 0) & (y == 0), 0, np.arctan2(y, x))
+
+
+def difference_axis(theta_d):
+    return np.clip(np.tan(theta_d / 2), 0, 1) ** 1.5
+
+
+def difference_angle(place):
+    return 2 * np.arctan(np.cbrt(np.clip(place, 0, 1)) ** 2)
+
+
+def cubic_taps(x, intervals):
+    """The first of four cubic B-splines that are not 0 at x in [0, 1], and what they are there."""
+    scaled = x * intervals
+    first = np.minimum(scaled.astype(int), intervals - 1)
+    t = scaled - first
+    weights = [(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3]
+    return first, np.stack(weights, axis=1) / 6
+
+
+def half_taps(x, count):
+    """Splines even about 0: coefficient 1 stands in for the one before coefficient 0."""
+    first, weights = cubic_taps(x, count - 2)
+    return np.abs(first[:, None] + np.arange(4) - 1), weights
+
+
+def difference_taps(x, count):
+    first, weights = cubic_taps(x, count - 3)
+    return first[:, None] + np.arange(4), weights
+
+
+def from_opponent(colours):
+    """The last axis from (r + g + b) / sqrt 3, (r - b) / sqrt 2 and (r - 2 g + b) / sqrt 6 to r, g, b."""
+    if colours.shape[-1] == 1:
+        return colours
+    a, b, c = (colours[..., i] / np.sqrt(n) for i, n in enumerate((3, 2, 6)))
+    return np.stack([a + b + c, a - 2 * c, a - b + c], axis=-1)
+
+
+class Probability:
+    """That a bit is 0, in 1/65536, and the number of bits it was learnt from."""
+
+    def __init__(self):
+        self.zero, self.seen = 1 << 15, 0
+
+    def learn(self, bit):
+        change = 2 * ((64 if bit else 65536 - 64) - self.zero)
+        share = abs(change) // (2 * self.seen + 3)  # rounded towards 0
+        self.zero += share if change > 0 else -share
+        self.seen = min(self.seen + 1, 60)
+
+
+class Magnitudes:
+    """Probabilities of integers of similar size."""
+
+    def __init__(self):
+        self.more = [Probability() for _ in range(DIGITS)]
+        self.second = [Probability() for _ in range(DIGITS)]
+        self.sign = Probability()
+
+
+class Integers:
+    """Takes lines of integers out of a stream, bit by bit."""
+
+    def __init__(self, stream):
+        self.bytes, self.code, self.range = iter(stream), 0, 0xFFFFFFFF
+        for _ in range(4):
+            self.shift_in()
+        self.magnitudes = [[Magnitudes() for _ in range(SIZES)] for _ in range(GROUPS)]
+        self.guesses = [[Probability() for _ in range(2)] for _ in range(GROUPS)]
+
+    def shift_in(self):
+        self.code = (self.code << 8 | next(self.bytes, 0)) & 0xFFFFFFFF
+
+    def bit(self, probability):
+        bound = (self.range >> 16) * probability.zero
+        bit = self.code >= bound
+        if bit:
+            self.code -= bound
+            self.range -= bound
+        else:
+            self.range = bound
+        probability.learn(bit)
+        while self.range < 1 << 24:
+            self.range <<= 8
+            self.shift_in()
+        return int(bit)
+
+    def integer(self, models):
+        digits = 0
+        while digits < DIGITS and self.bit(models.more[digits]):
+            digits += 1
+        if digits == 0:
+            return 0
+        magnitude = 1
+        for digit in range(digits - 1):
+            probability = models.second[digits - 1] if digit == 0 else Probability()
+            magnitude = 2 * magnitude + self.bit(probability)
+        return -magnitude if self.bit(models.sign) else magnitude
+
+    def line(self, group, count, above):
+        """A line of integers, and what guesses left of them; `above` is what they left of another line."""
+        kinds = self.guesses[group]
+        kind = self.bit(kinds[0]) and 1 + self.bit(kinds[1])
+        values, rests = [], []
+        for at in range(count):
+            last = values[-1] if values else 0
+            before = values[-2] if at > 1 else last
+            guess = (0, last, 2 * last - before)[kind]
+            models = self.magnitudes[group][size_class(rests, above, at)]
+            rests.append(self.integer(models))
+            values.append(guess + rests[-1])
+        return values, rests
+
+
+def size_class(rests, above, at):
+    """The class of an integer, by the integers near it."""
+    near = [(3, rests[-1:]), (1, rests[-2:-1])]
+    if above is not None:
+        near += [(3, above[at : at + 1]), (1, above[at + 1 : at + 2])]
+    weight = sum(weight for weight, value in near if value)
+    if weight == 0:
+        return SIZES - 1
+    total = sum(weight * abs(value[0]) for weight, value in near if value)
+    return min((2 * total // weight).bit_length(), SIZES - 2)
+
+
+# GGX lobes
+
+
+def ggx_lobes(makeup, wi, wo):
+    h = half_vector(wi, wo)
+    sine_sq, cos_h = h[:, 0] ** 2 + h[:, 1] ** 2, h[:, 2]
+    zi, zo = wi[:, 2], wo[:, 2]
+    fifth = (1 - np.clip(np.sum(h * wi, axis=1), 0, 1)) ** 5
+    value = rgb(makeup["diffuse"]) / np.pi + fifth[:, None] * rgb(makeup["sheen"])
+    for lobe in makeup["lobes"]:
+        square = lobe["alpha"] ** 2
+        distribution = 1 / (np.pi * square * (sine_sq / square + cos_h**2) ** 2)
+        # G over 4 cos cos. Below the horizon, where the value is 0, it could be anything.
+        ri, ro = (np.sqrt(square + (1 - square) * z * z) for z in (zi, zo))
+        below = (zi <= 0) | (zo <= 0)
+        visibility = 0.5 / np.where(below, 1, zo * ri + zi * ro)
+        fresnel = rgb(lobe["f0"]) * (1 - fifth[:, None]) + lobe["f90"] * fifth[:, None]
+        value = value + fresnel * (distribution * visibility)[:, None]
+    return value
+
+
+def rgb(value):
+    return np.array([value[c] for c in "rgb"])
 
 
 # The command

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::support::{fail, python, succeed, text};
-use brdf_container::write_separable;
+use brdf_container::{write_compact, write_separable};
 use brdf_fit::{
-    Fit, FitSettings, LogChoice, Material, SeparableMap, SeparableMethod, SeparableSettings, fit,
+    CompactBrdf, CompactMethod, CompactSettings, Fit, FitSettings, LogChoice, Material,
+    SeparableMap, SeparableMethod, SeparableSettings, fit,
 };
 use brdf_job::Job;
-use brdf_model::{Channels, MerlNodes, Preset};
-use brdf_param::Parametrization;
+use brdf_model::{Analytic, Brdf, Channels, MerlNodes, Preset, Rgb};
+use brdf_param::{DirectionPair, Parametrization};
 use brdf_separable::{EigenSolver, Fill};
 use tempfile::TempDir;
 
@@ -27,6 +28,14 @@ const PRODUCTS: [&str; 9] = [
     "preset:red-plastic --terms 1 --restarts 1 --space half-difference --beside radial --search powell",
     "preset:red-plastic --method mccool --preinvert basis.safetensors",
     "black.csv --method mccool",
+];
+
+/// Splines of a material with both symmetries, in colour and grey, and lobes.
+const COMPACT: [&str; 4] = [
+    "preset:ggx --method spline --bytes 600",
+    "preset:plastic --method spline --bytes 600 --luminance",
+    "preset:red-plastic --method ggx --lobes 1",
+    "preset:ggx --method ggx --lobes 2",
 ];
 
 /// Sums of products: every parametrization, isotropic and not, every map of the hemisphere, value map and
@@ -102,10 +111,76 @@ fn every_kind_of_model_is_evaluated_by_numpy_as_by_brdf() {
         fs::write(folder.join(&models[runs.len()]), bytes).unwrap();
         runs.push(run);
     }
-    let found = in_numpy(&python, folder, &models);
-    assert_eq!(found.len(), runs.len());
-    for ((run, model), found) in runs.iter().zip(&models).zip(&found) {
-        compare(run, found, &in_brdf(folder, model));
+    compare_all(&python, folder, "pairs.csv", &runs, &models);
+}
+
+/// Splines and lobes. Mirror directions are among the pairs, where the azimuth of the difference vector fades.
+#[test]
+fn compact_models_are_evaluated_by_numpy_as_by_brdf() {
+    let Some(python) = python() else { return };
+    let root = TempDir::new().unwrap();
+    let folder = root.path();
+    write_inputs(folder);
+    let pairs = fs::read_to_string(folder.join("pairs.csv")).unwrap();
+    // Exactly mirrored; then half vectors within 1e-5 of the normal; then a light beyond 87 degrees.
+    let more = "40,10,40,190,0,0,0\n75,-30,75,150,0,0,0\n40,10,40.0003,190,0,0,0\n\
+                60,0,60.0005,180.0003,0,0,0\n88,100,70,-80,0,0,0\n";
+    fs::write(folder.join("mirrored.csv"), format!("{pairs}{more}")).unwrap();
+    let mut runs: Vec<String> = COMPACT.map(str::to_owned).into();
+    let mut models = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        let output = index.to_string();
+        let words = ["factor"].into_iter().chain(run.split_whitespace()).chain(["-o", &output]);
+        succeed(folder, &words.collect::<Vec<_>>());
+        models.push(format!("{index}/model.safetensors"));
+    }
+    for (side, is_mirrored, is_reciprocal) in
+        [(Side::Light, true, false), (Side::Left, false, false), (Side::LeftOfLight, false, true)]
+    {
+        let material = OneSided { plastic: Preset::find("red-plastic").unwrap().brdf(), side };
+        let method = CompactMethod::Spline { bytes: 600 };
+        let settings = FitSettings::Compact(CompactSettings::of(method));
+        let run = format!("{side:?}");
+        let fitted = fit(&Material::new(&run, &material), &settings, &Job::new()).unwrap();
+        let Fit::Compact(fitted) = fitted else { unreachable!("a compact model was asked for") };
+        let CompactBrdf::Spline(model) = &fitted.model.model else { unreachable!("of splines") };
+        let symmetry = model.symmetry();
+        assert_eq!(symmetry.is_mirrored(), is_mirrored, "{run}");
+        assert_eq!(symmetry.is_reciprocal(), is_reciprocal, "{run}");
+        models.push(format!("{run}.safetensors"));
+        fs::write(folder.join(&models[runs.len()]), write_compact(&fitted.model).unwrap()).unwrap();
+        runs.push(run);
+    }
+    compare_all(&python, folder, "mirrored.csv", &runs, &models);
+}
+
+/// Red plastic that is brighter from one side.
+struct OneSided {
+    plastic: Analytic,
+    side: Side,
+}
+
+/// What makes a material brighter.
+#[derive(Clone, Copy, Debug)]
+enum Side {
+    /// A light above the viewer: light and viewer cannot be exchanged.
+    Light,
+    /// A viewer to the left of the light: no symmetry is left.
+    Left,
+    /// A viewer to the left of a light above it: the mirror image differs.
+    LeftOfLight,
+}
+
+impl Brdf for OneSided {
+    fn eval(&self, pair: &DirectionPair) -> Rgb {
+        let above = pair.wi.z - pair.wo.z;
+        let left = pair.wi.cross(pair.wo).z;
+        let side = match self.side {
+            Side::Light => above,
+            Side::Left => left,
+            Side::LeftOfLight => left * above,
+        };
+        self.plastic.eval(pair) * (1.0 + 0.5 * side)
     }
 }
 
@@ -126,7 +201,7 @@ fn the_documented_program_reads_any_number_of_textures() {
         let output = Command::new(&python).args(arguments).current_dir(folder).output().unwrap();
         assert!(output.status.success(), "{}", text(&output.stderr));
         let found = rows(&text(&output.stdout), 0);
-        compare(keep, &found, &in_brdf(folder, &format!("{keep}/model.safetensors")));
+        compare(keep, &found, &in_brdf(folder, "pairs.csv", &format!("{keep}/model.safetensors")));
     }
     fail(folder, &["eval", model, "--directions", "nothing.csv"], 1);
 }
@@ -171,14 +246,23 @@ fn write_inputs(folder: &Path) {
     fs::write(folder.join("planes.toml"), planes).unwrap();
 }
 
+/// Holds the values of every model, at a table of pairs, by NumPy and by `brdf` together.
+fn compare_all(python: &str, folder: &Path, pairs: &str, runs: &[String], models: &[String]) {
+    let found = in_numpy(python, folder, pairs, models);
+    assert_eq!(found.len(), runs.len(), "one set of values for each model");
+    for ((run, model), found) in runs.iter().zip(models).zip(&found) {
+        compare(run, found, &in_brdf(folder, pairs, model));
+    }
+}
+
 /// Values of every model at all pairs, by one run of Python.
-fn in_numpy(python: &str, folder: &Path, models: &[String]) -> Vec<Vec<[f64; 3]>> {
+fn in_numpy(python: &str, folder: &Path, pairs: &str, models: &[String]) -> Vec<Vec<[f64; 3]>> {
     let script = "import sys, pathlib\n\
                   sys.dont_write_bytecode = True\n\
                   sys.path.insert(0, str(pathlib.Path(sys.argv[1]).parent))\n\
                   from evaluate_model import Model, read_pairs\n\
-                  pairs = read_pairs('pairs.csv')\n\
-                  for name in sys.argv[2:]:\n    \
+                  pairs = read_pairs(sys.argv[2])\n\
+                  for name in sys.argv[3:]:\n    \
                   value = Model(name).evaluate(*pairs)\n    \
                   print('model')\n    \
                   for row in value:\n        \
@@ -186,6 +270,7 @@ fn in_numpy(python: &str, folder: &Path, models: &[String]) -> Vec<Vec<[f64; 3]>
     let output = Command::new(python)
         .args(["-c", script])
         .arg(program())
+        .arg(pairs)
         .args(models)
         .current_dir(folder)
         .output()
@@ -198,8 +283,8 @@ fn in_numpy(python: &str, folder: &Path, models: &[String]) -> Vec<Vec<[f64; 3]>
         .collect()
 }
 
-fn in_brdf(folder: &Path, model: &str) -> Vec<[f64; 3]> {
-    rows(&succeed(folder, &["eval", model, "--directions", "pairs.csv"]), 4)
+fn in_brdf(folder: &Path, pairs: &str, model: &str) -> Vec<[f64; 3]> {
+    rows(&succeed(folder, &["eval", model, "--directions", pairs]), 4)
 }
 
 /// Three numbers of every line but the first, after `skip` others.
