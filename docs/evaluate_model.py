@@ -330,7 +330,7 @@ class Splines:
         self.half_table = np.einsum("nt,knt->nk", weights, self.half[:, at]).astype(np.float32)
 
         rows = 3 * self.difference_count
-        quarters = int(np.ceil(self.order * self.period / (np.pi / 2)))
+        quarters = self.order * round(self.period / (np.pi / 2))
         columns = max(3 * quarters, 8) + 1
         at, weights = difference_taps(np.linspace(0, 1, rows), self.difference_count)
         over_theta = np.einsum("nt,kntmc->nkmc", weights, self.difference[:, at])

@@ -124,7 +124,9 @@ enum Candidate {
 impl Candidate {
     fn fit(&self, material: &Material<'_>, job: &Job<'_>) -> Result<Fit, FitError> {
         Ok(match self {
-            Self::Compact(settings) => Fit::Compact(fit_compact(material, settings, job)?),
+            Self::Compact(settings) => {
+                Fit::Compact(Box::new(fit_compact(material, settings, job)?))
+            }
             Self::Factored(settings) => Fit::Factored(fit_factored(material, settings, job)?),
         })
     }

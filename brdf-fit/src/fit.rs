@@ -61,6 +61,8 @@ pub fn fit(
         FitSettings::Separable(settings) => {
             Ok(Fit::Separable(fit_separable(material, settings, job)?))
         }
-        FitSettings::Compact(settings) => Ok(Fit::Compact(fit_compact(material, settings, job)?)),
+        FitSettings::Compact(settings) => {
+            Ok(Fit::Compact(Box::new(fit_compact(material, settings, job)?)))
+        }
     }
 }

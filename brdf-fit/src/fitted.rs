@@ -16,7 +16,7 @@ pub enum Fit {
     /// A sum of products.
     Separable(SeparableFit),
     /// A compact model.
-    Compact(CompactFit),
+    Compact(Box<CompactFit>),
 }
 
 impl Fit {

@@ -161,7 +161,7 @@ impl Coder for Decoder<'_> {
     }
 }
 
-/// Largest number of binary digits of an integer.
+/// Largest number of binary digits of an integer: rounded coefficients end at 4e6, what guesses leave at four times that.
 const DIGITS: usize = 24;
 
 /// The model of integers that are expected to be of similar size.

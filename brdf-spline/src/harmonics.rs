@@ -33,11 +33,15 @@ impl Symmetry {
 
     /// The smallest range of φd, from 0, that all others follow from.
     pub(crate) fn period(self) -> f64 {
-        use std::f64::consts::{FRAC_PI_2, PI, TAU};
+        std::f64::consts::FRAC_PI_2 * self.quarters() as f64
+    }
+
+    /// Quarters of a turn in that range.
+    pub(crate) fn quarters(self) -> usize {
         match self {
-            Self::None => TAU,
-            Self::Mirror | Self::Reciprocal => PI,
-            Self::Both => FRAC_PI_2,
+            Self::None => 4,
+            Self::Mirror | Self::Reciprocal => 2,
+            Self::Both => 1,
         }
     }
 

@@ -41,9 +41,9 @@ impl Channel {
 
 /// An isotropic BRDF as a sum of products of splines over θh and over (θd, φd), of ln(a + f).
 ///
-/// It is never brighter than what was fitted, and keeps its value beyond 87° from the normal. Turning both directions about the normal changes nothing, and
-/// exchanging them changes nothing if [`SplineBrdf::symmetry`] says so. It is evaluated from two linear tables, which
-/// are made when it is read.
+/// It is never brighter than what was fitted, and keeps its value beyond 87° from the normal. Turning both directions
+/// about the normal changes nothing, and exchanging them changes nothing if [`SplineBrdf::symmetry`] says so. It is
+/// evaluated from two linear tables, which are made when it is read.
 ///
 /// ```
 /// use brdf_job::Job;

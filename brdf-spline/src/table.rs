@@ -57,9 +57,8 @@ impl Tables {
         let terms = shape.terms.next_multiple_of(4);
         let period = shape.symmetry.period();
         let rows = NODES_PER_SPLINE * shape.difference.count;
-        let quarters = (shape.order as f64 * period / std::f64::consts::FRAC_PI_2).ceil();
-        #[expect(clippy::cast_sign_loss, reason = "a small positive number")]
-        let columns = (NODES_PER_QUARTER * quarters as usize).max(8) + 1;
+        let quarters = shape.order * shape.symmetry.quarters();
+        let columns = (NODES_PER_QUARTER * quarters).max(8) + 1;
 
         let mut half = vec![0.0; HALF_NODES * terms];
         for (node, values) in half.chunks_exact_mut(terms).enumerate() {
