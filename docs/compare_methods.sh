@@ -12,7 +12,7 @@ cp "$data"/rgl/c{m_military_green,c_iris_purple_gem}_rgb.bsdf "$out/reference/"
 half="--space half-difference --isotropic --joint-rgb --rank 4 --resolution 26"
 for file in "$out"/reference/*; do
   name=$(basename "$file"); name=${name%.*}
-  brdf factor "$file" -o "$out/search/$name"
+  brdf factor "$file" -o "$out/search/$name" --method search
   brdf factor "$file" -o "$out/mccool/$name" --method mccool --texture-size 38
   brdf factor "$file" -o "$out/svd-wi-wo/$name" --method svd --joint-rgb --rank 4 --resolution 23
   brdf factor "$file" -o "$out/svd-h-d/$name" --method svd $half

@@ -28,7 +28,9 @@ pub(crate) fn fit_notes(read: &[ReadNote], notes: &[FitNote]) -> Vec<String> {
     let advice = |note: &FitNote| match note {
         FitNote::Clamped { in_colour: true, .. } => " (--luminance avoids most of it)",
         FitNote::NotTakenIsotropic => " (--replicate 32 adds turned copies)",
-        FitNote::AlbedoOff { factored: true, .. } => "; --weight f favours them",
+        FitNote::AlbedoOff { factored: true, .. } => {
+            "; --method spline keeps those of isotropic materials"
+        }
         FitNote::PowerIteration { .. } => "; --eigen-solver krylov meets 1e-5",
         _ => "",
     };

@@ -36,18 +36,12 @@ impl Default for Aim {
 }
 
 /// How a method is chosen.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct AutoSettings {
     /// What the model may cost, or has to reach.
     pub aim: Aim,
     /// How an anisotropic material is searched; the grazing limit, seed and channels of these are those of all methods.
     pub search: FactoredSettings,
-}
-
-impl Default for AutoSettings {
-    fn default() -> Self {
-        Self { aim: Aim::default(), search: FactoredSettings::default() }
-    }
 }
 
 /// Fits a material by the methods that may suit it and returns the best, with a [`FitNote::ChosenMethod`].

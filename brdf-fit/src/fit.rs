@@ -43,6 +43,10 @@ impl Default for FitSettings {
 /// before rows are copied, give the held-out error. For a choice between families a tenth is set aside; the winner is
 /// searched again with all rows.
 ///
+/// Compact models are fitted to nodes and pairs of their own. Errors at the highlight are those of a
+/// [`Fidelity`](brdf_model::Fidelity) over pairs of the held-out scramble; choices between methods, axes and offsets are
+/// made on the third.
+///
 /// The same material, settings and seed give the same model on any number of threads, unless the job is stopped.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use brdf_fit::{
     fit,
 };
 use brdf_job::Job;
-use brdf_model::{Brdf as _, PairSampling, Preset, SampleSet};
+use brdf_model::{PairSampling, Preset, SampleSet};
 use brdf_param::{DirectionPair, Parametrization};
 
 fn material() -> impl brdf_model::Brdf {
