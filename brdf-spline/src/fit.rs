@@ -386,12 +386,12 @@ fn finish(
 /// Rounds coefficients as finely as the bytes allow.
 fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: usize) -> Quantized {
     const ROUNDS: usize = 2;
-    const HALVINGS: usize = 7;
+    const HALVINGS: usize = 8;
     let start = fit.products.clone();
     let shape = start.shape.clone();
     let exponents: Vec<i8> =
         fit.term_sizes().iter().map(|size| exponent(size / HALF_STEP)).collect();
-    let mut guess = 0.035 * (2700.0 / bytes as f64).sqrt();
+    let mut guess = 2e-3;
     let mut found = None;
     for round in 0..ROUNDS {
         fit.reset(&start);
@@ -399,7 +399,7 @@ fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: usize) -> Qu
             Steps { half: narrow(guess), exponents: exponents.clone(), difference: narrow(guess) };
         let half = fit.round_half(&fit.half_equations(), &steps.of_half());
         let equations = fit.difference_equations();
-        let factor: f64 = if round == 0 { 32.0 } else { 2.0 };
+        let factor: f64 = if round == 0 { 500.0 } else { 3.0 };
         let (mut low, mut high) = ((guess / factor).ln(), (guess * factor).ln());
         let mut fits = None;
         for halving in 0..HALVINGS + 8 {

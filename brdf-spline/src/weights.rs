@@ -133,6 +133,9 @@ impl Weights {
                 *weight += of(squares).min(cap) * node.shares[set];
             }
         }
+        // Terms and their coefficients have the scale of y whatever the errors are.
+        let total: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= total.max(f64::MIN_POSITIVE));
         weights
     }
 }

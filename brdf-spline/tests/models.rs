@@ -115,11 +115,14 @@ fn models_stay_within_their_bytes_and_within_what_was_measured() {
 #[test]
 fn larger_models_are_better_and_small_ones_good() {
     let judge = FidelityPairs::new(5, 80_f64.to_radians());
-    // Limits a tenth above what was measured.
-    for (name, limits) in [("ggx", [0.0024, 0.0013]), ("lafortune-blue-paint", [0.0072, 0.0019])] {
-        let scores =
-            [700, 4_000].map(|bytes| judge.measure(&preset(name), &fitted(name, bytes)).score());
-        assert!(scores[0] < limits[0] && scores[1] < limits[1], "{name}: {scores:?}");
+    // Limits a little above what was measured.
+    for (name, limits) in
+        [("ggx", [0.0024, 0.0013, 0.0009]), ("lafortune-blue-paint", [0.0072, 0.0019, 0.0012])]
+    {
+        let score = |bytes| judge.measure(&preset(name), &fitted(name, bytes)).score();
+        let scores = [700, 4_000, 12_000].map(score);
+        let is_good = scores.iter().zip(limits).all(|(score, limit)| *score < limit);
+        assert!(is_good, "{name}: {scores:?}");
     }
 }
 

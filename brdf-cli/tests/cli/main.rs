@@ -7,6 +7,7 @@
 )]
 
 mod btf;
+mod compact;
 mod end_to_end;
 mod model_file;
 mod paint;

@@ -51,6 +51,8 @@ fn brdf_commands_print_what_the_schemas_say() {
     let root = root.path();
     holds(root, "factor", "factor --terms 2 --restarts 1 --samples 2000 --json -o a");
     holds(root, "factor", "factor preset:ggx --method mccool --samples 2000 --json -o m");
+    holds(root, "factor-compact", "factor preset:ggx --bytes 500 --json -o small");
+    holds(root, "factor-compact", "factor preset:ggx --method ggx --json -o lobes");
     holds(root, "factor-keep", "factor --from a/model.safetensors --keep 1 --json -o k");
     holds(
         root,
