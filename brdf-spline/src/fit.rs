@@ -26,6 +26,8 @@ const ALPHAS: [f64; 3] = [0.004, 0.014, 0.05];
 const OFFSETS: [f64; 3] = [1e-4, 1e-3, 5e-3];
 /// Roughnesses that are tried with scattered samples, which leave gaps.
 const ROUGHNESSES: [f64; 3] = [1e-5, 1e-3, 1e-1];
+/// Bytes above which a model of a quarter of them is made too, and kept if it is better.
+const LARGE: usize = 12_000;
 /// Steps of a trial, and of the fit.
 const TRIAL_STEPS: usize = 8;
 const STEPS: usize = 18;
@@ -123,8 +125,22 @@ pub fn fit_splines(
     };
     let best = best(&trials);
 
-    let nodes = Nodes::of_grid(brdf, size.grid, symmetry, channels);
-    let mut made = finish(&nodes, size, symmetry, best, settings.bytes, &fitting)?;
+    let make = |bytes: usize, job: &Job<'_>| {
+        let size = Size::for_bytes(bytes, symmetry, channels);
+        let nodes = Nodes::of_grid(brdf, size.grid, symmetry, channels);
+        finish(&nodes, size, symmetry, best, bytes, job)
+    };
+    let [fitting, checking] = fitting.split([4.0, 1.0]);
+    let mut made = make(settings.bytes, &fitting)?;
+    if settings.bytes > LARGE {
+        // Terms of the largest models may cancel each other beyond what rounding and f32 tables can hold.
+        let smaller = make(settings.bytes / 4, &checking)?;
+        let [large, small] = [&made, &smaller]
+            .map(|fit| judges.judge(|pairs| values_at(&fit.model, pairs, judges.is_grey)));
+        if small < large {
+            made = smaller;
+        }
+    }
     made.trials = trials;
     made.asymmetry = found;
     Ok(made)

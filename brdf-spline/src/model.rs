@@ -11,11 +11,13 @@ use crate::harmonics::Symmetry;
 use crate::nodes::COSINE_MIN;
 use crate::products::Shape;
 use crate::stream::{Quantized, Steps};
-use crate::table::Tables;
+use crate::table::{Tables, table_size};
 use crate::warp::HalfAxis;
 
 /// First byte of a stream: a version, above the symmetry and the channels.
 const VERSION: u8 = 1;
+/// Most numbers of the table over θd and φd: several times those of the largest model that is fitted.
+const TABLE_MAX: usize = 8_000_000;
 /// Most terms.
 const TERMS_MAX: usize = 64;
 /// Most splines of either side.
@@ -113,6 +115,9 @@ impl SplineBrdf {
             order: order.into(),
             channels,
         };
+        let [rows, columns] = table_size(&shape);
+        let numbers = rows * (columns + 1) * shape.terms * shape.channels;
+        within("numbers of the table over θd and φd", numbers, 0, TABLE_MAX, "at most 8 million")?;
         let steps = Steps { half: sizes[0], exponents, difference: sizes[1] };
         let quantized = Quantized::decode(shape, steps, head.rest);
         Ok(Self::with_bytes(bytes.to_vec(), &quantized, transforms))

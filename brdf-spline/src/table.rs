@@ -1,7 +1,7 @@
 //! Sums of products read from two linear tables: what renderers and shaders do.
 
 use crate::harmonics::Symmetry;
-use crate::products::Products;
+use crate::products::{Products, Shape};
 use crate::warp::{HalfAxis, difference_angle, difference_axis};
 
 /// Nodes along the axis of θh.
@@ -50,15 +50,19 @@ impl Place {
     }
 }
 
+/// Rows over θd and columns over φd of a shape's table, without the column of means.
+pub(crate) fn table_size(shape: &Shape) -> [usize; 2] {
+    let quarters = shape.order * shape.symmetry.quarters();
+    [NODES_PER_SPLINE * shape.difference.count, (NODES_PER_QUARTER * quarters).max(8) + 1]
+}
+
 impl Tables {
     #[expect(clippy::cast_possible_truncation, reason = "tables are f32")]
     pub(crate) fn new(products: &Products) -> Self {
         let shape = &products.shape;
         let terms = shape.terms.next_multiple_of(4);
         let period = shape.symmetry.period();
-        let rows = NODES_PER_SPLINE * shape.difference.count;
-        let quarters = shape.order * shape.symmetry.quarters();
-        let columns = (NODES_PER_QUARTER * quarters).max(8) + 1;
+        let [rows, columns] = table_size(shape);
 
         let mut half = vec![0.0; HALF_NODES * terms];
         for (node, values) in half.chunks_exact_mut(terms).enumerate() {
@@ -138,7 +142,6 @@ impl Tables {
 mod tests {
     use super::*;
     use crate::basis::CubicBasis;
-    use crate::products::Shape;
 
     /// Tables are the products that they were made of, but for what a straight line misses.
     #[test]

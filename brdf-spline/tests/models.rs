@@ -195,6 +195,16 @@ fn nothing_to_fit_and_stopped_work_are_errors() {
     assert!(matches!(stopped, Err(SplineError::Stopped(_))), "{stopped:?}");
 }
 
+/// A short stream that asks for a large table is refused before anything is allocated.
+#[test]
+fn a_head_cannot_ask_for_too_much() {
+    let mut bytes = fitted("plastic", 500).as_bytes().to_vec();
+    // Symmetry none, three channels; 64 terms, 200 splines of each kind, harmonics up to order 40.
+    bytes[..5].copy_from_slice(&[1 << 3 | 1 << 2, 64, 200, 200, 40]);
+    let refused = SplineBrdf::from_bytes(&bytes).expect_err("too large");
+    assert!(refused.to_string().contains("at most 8 million"), "{refused}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
