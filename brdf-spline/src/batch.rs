@@ -9,8 +9,8 @@ use std::f32::consts::{PI, TAU};
 use brdf_model::elementary::{angle, exp, ln};
 use brdf_model::{DirectionSlices, RgbBatch};
 
+use crate::channel::Channel;
 use crate::harmonics::Symmetry;
-use crate::model::{Channel, SplineBrdf};
 use crate::nodes::COSINE_MIN;
 use crate::table::{FADE, Tables};
 
@@ -27,14 +27,20 @@ struct Places {
     known: Lane,
 }
 
-pub(crate) fn evaluate(model: &SplineBrdf, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
+pub(crate) fn evaluate(
+    tables: &Tables,
+    channels: &[Channel],
+    pairs: DirectionSlices<'_>,
+    out: &mut RgbBatch,
+) {
     out.resize(pairs.len());
     // The widest vectors of the machine that runs this, chosen at run time.
-    pulp::Arch::new().dispatch(Evaluate { model, pairs, out });
+    pulp::Arch::new().dispatch(Evaluate { tables, channels, pairs, out });
 }
 
 struct Evaluate<'a> {
-    model: &'a SplineBrdf,
+    tables: &'a Tables,
+    channels: &'a [Channel],
     pairs: DirectionSlices<'a>,
     out: &'a mut RgbBatch,
 }
@@ -44,8 +50,7 @@ impl pulp::NullaryFnOnce for Evaluate<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { model, pairs, out } = self;
-        let tables = model.tables();
+        let Self { tables, channels, pairs, out } = self;
         let mut start = 0;
         while start < pairs.len() {
             let len = TILE.min(pairs.len() - start);
@@ -69,7 +74,7 @@ impl pulp::NullaryFnOnce for Evaluate<'_> {
                     read::<3>(tables, &places, lane, &mut sums);
                 }
             }
-            for (channel, transform) in model.transforms().iter().enumerate() {
+            for (channel, transform) in channels.iter().enumerate() {
                 finish(&mut sums[channel], *transform, &lit);
             }
             let source = |channel: usize| &sums[channel.min(tables.channels - 1)][..len];

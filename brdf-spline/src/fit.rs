@@ -9,9 +9,10 @@ use rayon::prelude::*;
 
 use crate::alternating::{Alternating, ROUGHNESS};
 use crate::basis::CubicBasis;
+use crate::channel::Channel;
 use crate::error::SplineError;
 use crate::harmonics::Symmetry;
-use crate::model::{Channel, SplineBrdf, stream};
+use crate::model::{SplineBrdf, stream};
 use crate::nodes::{NodeGrid, Nodes};
 use crate::products::{Products, Shape};
 use crate::stream::{Quantized, Steps};

@@ -25,6 +25,7 @@
 mod alternating;
 mod basis;
 mod batch;
+mod channel;
 mod coder;
 mod error;
 mod fit;

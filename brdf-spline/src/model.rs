@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use crate::basis::CubicBasis;
 use crate::batch;
+use crate::channel::Channel;
 use crate::error::SplineError;
 use crate::harmonics::Symmetry;
 use crate::nodes::COSINE_MIN;
@@ -24,22 +25,6 @@ const TERMS_MAX: usize = 64;
 const SPLINES_MAX: usize = 200;
 /// Largest order of a harmonic.
 const ORDER_MAX: usize = 40;
-
-/// How a channel's logarithm becomes a value: eʸ − a, within the range of what was measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Channel {
-    /// a, sr⁻¹.
-    pub(crate) offset: f32,
-    /// Smallest and largest value that was fitted, sr⁻¹.
-    pub(crate) range: [f32; 2],
-}
-
-impl Channel {
-    pub(crate) fn value(self, y: f64) -> f64 {
-        let [min, max] = self.range.map(f64::from);
-        (y.exp() - f64::from(self.offset)).clamp(min, max)
-    }
-}
 
 /// An isotropic BRDF as a sum of products of splines over θh and over (θd, φd), of ln(a + f).
 ///
@@ -177,14 +162,6 @@ impl SplineBrdf {
     pub fn table_bytes(&self) -> usize {
         self.tables.bytes()
     }
-
-    pub(crate) fn tables(&self) -> &Tables {
-        &self.tables
-    }
-
-    pub(crate) fn transforms(&self) -> &[Channel] {
-        &self.channels
-    }
 }
 
 impl Brdf for SplineBrdf {
@@ -202,7 +179,7 @@ impl Brdf for SplineBrdf {
     }
 
     fn eval_batch(&self, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
-        batch::evaluate(self, pairs, out);
+        batch::evaluate(&self.tables, &self.channels, pairs, out);
     }
 }
 

@@ -1,0 +1,17 @@
+//! From logarithms to values.
+
+/// How a channel's logarithm becomes a value: eʸ − a, within the range of what was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Channel {
+    /// a, sr⁻¹.
+    pub(crate) offset: f32,
+    /// Smallest and largest value that was fitted, sr⁻¹.
+    pub(crate) range: [f32; 2],
+}
+
+impl Channel {
+    pub(crate) fn value(self, y: f64) -> f64 {
+        let [min, max] = self.range.map(f64::from);
+        (y.exp() - f64::from(self.offset)).clamp(min, max)
+    }
+}
