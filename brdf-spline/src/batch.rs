@@ -251,7 +251,7 @@ fn lit(zi: &Lane, zo: &Lane) -> Lane {
     lit
 }
 
-/// Brings grazing directions back to the limit, as [`crate::model::hold`] does.
+/// Brings grazing directions back to the limit, as `eval` does.
 #[inline(always)]
 fn hold([xs, ys, zs]: &mut [Lane; 3]) {
     let limit = narrow(COSINE_MIN);
