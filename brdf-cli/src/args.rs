@@ -120,6 +120,11 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     within(0.0..f64::INFINITY, "a number of 0 or more")(text)
 }
 
+/// A share that leaves something over.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    within(0.0..=0.9, "a number from 0 to 0.9")(text)
+}
+
 /// A number that is finite and above 0.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     within((Excluded(0.0), Excluded(f64::INFINITY)), "a number above 0")(text)

@@ -1,6 +1,6 @@
 //! The choices of `brdf factor` and the library's enums behind them, so that libraries know no clap.
 
-use brdf_factor::{LogTransform, Weight};
+use brdf_factor::{IsotropicPairs, LogTransform, Weight};
 use brdf_fit::{FixedFactors, Reciprocity, SeparableMap};
 use brdf_param::{Bound, Parametrization, Space};
 use brdf_search::Objective;
@@ -33,7 +33,7 @@ macro_rules! choices {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
-    /// The best small model of the material: splines, GGX lobes or McCool's textures if it is isotropic, else a search
+    /// The best small model of the material: splines, GGX lobes or textures if it is isotropic, else a search
     Auto,
     /// One texture for each of the best projections, which are searched for
     Search,
@@ -43,6 +43,10 @@ pub(crate) enum MethodArg {
     Radial,
     /// One texture for each projection of a file
     Projections,
+    /// Textures over pairs of angles, isotropic materials
+    Isotropic,
+    /// One texture for each entry of a list of coordinates
+    Coordinates,
     /// Sum of products of splines: a few kilobytes that keep the highlight of isotropic materials
     Spline,
     /// A diffuse base, GGX lobes and sheen, isotropic
@@ -173,6 +177,19 @@ choices! {
         F => F,
         /// f²: close to the linear error
         F2 => F2,
+        /// By what displays, cube roots, energy and logarithms see, together
+        Fidelity => Fidelity,
+    }
+}
+
+choices! {
+    pub(crate) enum AnglesArg for IsotropicPairs {
+        /// (θh, θd), (θh, φd), (θi, θo)
+        Polar => Polar,
+        /// (θh, θd), (θh, θd cos φd), (θh, θd sin φd), (θi, θo)
+        Cartesian => Cartesian,
+        /// (θh, θd), (θh, φd mod π), (θd cos φd, θd sin φd), (θi, θo): tells mirrored pairs apart
+        Oriented => Oriented,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Products of textures.
 
-use brdf_factor::{ChannelTransform, Factor, FactorDescription, FactoredBrdf};
+use brdf_factor::{ChannelTransform, Factor, FactorDescription, FactoredBrdf, Grid};
 use brdf_fit::{FactoredModel, FactoredRecord};
 use brdf_io::f32_values;
 use safetensors::SafeTensors;
@@ -17,6 +17,9 @@ struct Record {
     head: Head,
     theta_max: f64,
     maps: Vec<ChannelTransform>,
+    /// Largest value of each channel; none where models are not held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    ceilings: Option<Vec<f64>>,
     factors: Vec<FactorDescription>,
     /// Of the models of fewer textures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -35,6 +38,7 @@ pub fn factored_record(file: &FactoredModel) -> Result<String, ContainerError> {
         head: Head::of(Kind::Factored),
         theta_max: model.theta_max(),
         maps: model.maps().to_vec(),
+        ceilings: model.ceilings().iter().all(|c| c.is_finite()).then(|| model.ceilings().to_vec()),
         factors: descriptions(model),
         smaller: file.smaller.iter().map(descriptions).collect(),
         fit: file.record.clone(),
@@ -83,7 +87,11 @@ pub(crate) fn parse_factored(
     let model = |part: Option<usize>, descriptions: Vec<FactorDescription>| {
         let name = |index: usize| tensor_name(part, index);
         let factors = read_factors(tensors, descriptions, channels, name)?;
-        Ok::<_, ContainerError>(FactoredBrdf::new(factors, record.maps.clone(), record.theta_max)?)
+        let model = FactoredBrdf::new(factors, record.maps.clone(), record.theta_max)?;
+        Ok::<_, ContainerError>(match &record.ceilings {
+            Some(ceilings) => model.with_ceilings(ceilings.clone())?,
+            None => model,
+        })
     };
     let smaller = record.smaller.into_iter().map(|part| model(Some(part.len()), part));
     Ok(FactoredModel {
@@ -122,8 +130,11 @@ fn tensor_name(textures: Option<usize>, index: usize) -> String {
 }
 
 pub(crate) fn tensor_shape(description: &FactorDescription, channels: usize) -> Vec<usize> {
-    let size = description.grid.size;
-    if description.grid.dimensions == 1 { vec![size, channels] } else { vec![size, size, channels] }
+    let Grid { columns, rows } = description.grid;
+    match description.grid.dimensions() {
+        1 => vec![columns, channels],
+        _ => vec![rows, columns, channels],
+    }
 }
 
 pub(crate) fn texels(bytes: &[u8], channels: usize) -> Vec<[f32; 4]> {

@@ -47,6 +47,7 @@ mod btf_report;
 mod compact;
 mod contained;
 mod convert;
+mod coordinates;
 mod error;
 mod evaluate;
 mod factored;
@@ -73,6 +74,7 @@ pub use btf_report::{
 pub use compact::write_compact;
 pub use contained::{Contained, read_container};
 pub use convert::{Converted, Tabulated};
+pub use coordinates::read_coordinates;
 pub use error::ContainerError;
 pub use evaluate::Evaluated;
 pub use factored::{factored_record, read_factored, write_factored};

@@ -51,6 +51,7 @@ fn model_file() -> FactoredModel {
                 params,
                 reciprocal: true,
                 samples: 300,
+                highlight: 0.0,
                 seed: 1,
                 replicate: 1,
                 search: None,

@@ -62,6 +62,7 @@ fn basis_file(inversion: Inversion) -> Basis {
         params,
         reciprocal: true,
         samples: 40,
+        highlight: 0.0,
         seed: 1,
         replicate: 1,
         search: None,

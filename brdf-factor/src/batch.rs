@@ -4,12 +4,15 @@
 //! load, the only step that cannot be laid out in arrays), and the inverse log map (arithmetic
 //! again). No fused multiply–add, so that every instruction set gives the same bits.
 
-use brdf_model::elementary::exp;
+use std::f32::consts::PI;
+
+use brdf_model::elementary::{angle, exp, ln};
 use brdf_model::{DirectionSlices, RgbBatch};
+use brdf_param::Space;
 
 use crate::coordinate::{Radial, Reading};
-use crate::{ChannelTransform, FactoredBrdf};
-use brdf_param::Space;
+use crate::isotropic::NO_AZIMUTH;
+use crate::{Angle, Axis, ChannelTransform, FactoredBrdf, Grid, Spacing};
 
 /// Pairs per tile: all scratch arrays together stay within the first-level cache.
 const TILE: usize = 64;
@@ -19,8 +22,7 @@ type Lane = [f32; TILE];
 /// A coordinate with its scale folded in, ready to give texel positions.
 struct Reader<'a> {
     source: Source,
-    /// Texels along each side.
-    size: usize,
+    grid: Grid,
     texels: &'a [[f32; 4]],
 }
 
@@ -29,12 +31,38 @@ enum Source {
     Planar {
         space: Space,
         rows: [[f32; 4]; 2],
-        centre: f32,
+        centre: [f32; 2],
     },
     Radial {
         radial: Radial,
         scale: f32,
     },
+    Isotropic {
+        axes: [AxisReader; 2],
+        swapped: bool,
+    },
+}
+
+/// An axis of a texture over angles: position = shift + scale · s(angle / unit).
+struct AxisReader {
+    angle: Angle,
+    spacing: Spacing,
+    unit: f32,
+    scale: f32,
+    shift: f32,
+}
+
+/// The angles that textures are read at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum AngleGroup {
+    /// θh.
+    Half,
+    /// θd and φd.
+    Difference,
+    /// θi and θo.
+    Polar,
+    /// |φi − φo|.
+    Azimuth,
 }
 
 /// Scratch of one tile.
@@ -44,9 +72,47 @@ struct Tile {
     half: [Lane; 3],
     standard: [Lane; 4],
     half_difference: [Lane; 4],
+    angles: Angles,
     column: Lane,
     row: Lane,
     sums: [[f32; 4]; TILE],
+}
+
+/// Angles of a tile's pairs. φd is given by its size, cosine and sine.
+struct Angles {
+    theta_h: Lane,
+    theta_d: Lane,
+    phi_d: Lane,
+    cos_d: Lane,
+    sin_d: Lane,
+    theta_i: Lane,
+    theta_o: Lane,
+    delta_phi: Lane,
+}
+
+impl Angle {
+    fn group(self) -> AngleGroup {
+        match self {
+            Self::ThetaH => AngleGroup::Half,
+            Self::ThetaI | Self::ThetaO => AngleGroup::Polar,
+            Self::DeltaPhi => AngleGroup::Azimuth,
+            _ => AngleGroup::Difference,
+        }
+    }
+}
+
+impl AxisReader {
+    /// For an axis of `texels` texels and this largest angle.
+    fn new(axis: Axis, largest: f64, texels: usize) -> Self {
+        let last = (texels - 1) as f64;
+        let (unit, scale, shift) = match axis.spacing {
+            _ if axis.angle.is_signed() => (largest, 0.5 * last, 0.5 * last),
+            Spacing::Linear | Spacing::Power { .. } => (largest, last, 0.0),
+            Spacing::Asinh { alpha } => (alpha, last / (largest / alpha).asinh(), 0.0),
+        };
+        let [unit, scale, shift] = [unit, scale, shift].map(narrow);
+        Self { angle: axis.angle, spacing: axis.spacing, unit, scale, shift }
+    }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "this evaluator works in f32 throughout")]
@@ -84,24 +150,31 @@ fn readers(model: &FactoredBrdf) -> Vec<Reader<'_>> {
     factors
         .flat_map(|factor| {
             factor.coordinates().iter().map(move |coordinate| {
-                let size = factor.grid().size;
-                let last = (size - 1) as f64;
+                let grid = factor.grid();
+                let last = [grid.columns, grid.rows].map(|side| (side - 1) as f64);
                 let extent = factor.extent();
                 let source = match coordinate.reading() {
                     Reading::Radial(radial) => {
-                        Source::Radial { radial, scale: narrow(last / extent.x) }
+                        Source::Radial { radial, scale: narrow(last[0] / extent.x) }
                     }
-                    Reading::Planar(plane) => Source::Planar {
-                        space: plane.space,
-                        rows: plane
-                            .projection
-                            .scaled_by(extent)
-                            .rows()
-                            .map(|row| (row * (0.5 * last)).to_array().map(narrow)),
-                        centre: narrow(0.5 * last),
+                    Reading::Planar(plane) => {
+                        let rows = plane.projection.scaled_by(extent).rows();
+                        let row = |at: usize| (rows[at] * (0.5 * last[at])).to_array().map(narrow);
+                        Source::Planar {
+                            space: plane.space,
+                            rows: [row(0), row(1)],
+                            centre: last.map(|last| narrow(0.5 * last)),
+                        }
+                    }
+                    Reading::Isotropic { axes: [x, y], swapped } => Source::Isotropic {
+                        axes: [
+                            AxisReader::new(x, extent.x, grid.columns),
+                            AxisReader::new(y, extent.y, grid.rows),
+                        ],
+                        swapped,
                     },
                 };
-                Reader { source, size, texels: factor.texels() }
+                Reader { source, grid, texels: factor.texels() }
             })
         })
         .collect()
@@ -118,12 +191,18 @@ fn run(
         readers.iter().any(|r| matches!(r.source, Source::Planar { space, .. } if space == wanted))
     };
     let needs_half = readers.iter().any(|r| {
-        !matches!(
+        matches!(
             r.source,
-            Source::Planar { space: Space::Standard, .. }
-                | Source::Radial { radial: Radial::Wi | Radial::Wo, .. }
+            Source::Planar { space: Space::HalfDifference, .. }
+                | Source::Radial { radial: Radial::H, .. }
         )
     });
+    let needs_angle = |wanted: AngleGroup| {
+        readers.iter().any(|r| match &r.source {
+            Source::Isotropic { axes, .. } => axes.iter().any(|a| a.angle.group() == wanted),
+            _ => false,
+        })
+    };
     // Fixed half-vector coordinates leave the difference vector's columns at zero.
     let needs_difference = readers.iter().any(|r| {
         matches!(
@@ -139,6 +218,16 @@ fn run(
         half: [[0.0; TILE]; 3],
         standard: [[0.0; TILE]; 4],
         half_difference: [[0.0; TILE]; 4],
+        angles: Angles {
+            theta_h: [0.0; TILE],
+            theta_d: [0.0; TILE],
+            phi_d: [0.0; TILE],
+            cos_d: [0.0; TILE],
+            sin_d: [0.0; TILE],
+            theta_i: [0.0; TILE],
+            theta_o: [0.0; TILE],
+            delta_phi: [0.0; TILE],
+        },
         column: [0.0; TILE],
         row: [0.0; TILE],
         sums: [[0.0; 4]; TILE],
@@ -168,12 +257,22 @@ fn run(
                 difference_coordinates(&mut tile);
             }
         }
+        if needs_angle(AngleGroup::Half) || needs_angle(AngleGroup::Difference) {
+            half_angles(&mut tile, needs_angle(AngleGroup::Difference));
+        }
+        if needs_angle(AngleGroup::Polar) {
+            polar_angles(&tile.wi, &mut tile.angles.theta_i);
+            polar_angles(&tile.wo, &mut tile.angles.theta_o);
+        }
+        if needs_angle(AngleGroup::Azimuth) {
+            azimuth_angles(&mut tile);
+        }
         tile.sums = [[0.0; 4]; TILE];
         for reader in readers {
             positions(&mut tile, &reader.source);
             accumulate(&mut tile, reader);
         }
-        finish(&tile, model.maps(), pairs, start, len, out);
+        finish(&tile, model, pairs, start, len, out);
         start += len;
     }
 }
@@ -236,6 +335,128 @@ fn difference_coordinates(tile: &mut Tile) {
     }
 }
 
+/// θh, and if asked for θd and φd, from h = wi + wo and wi − wo, which are perpendicular.
+#[inline(always)]
+fn half_angles(tile: &mut Tile, with_difference: bool) {
+    let Tile { wi, wo, angles, .. } = tile;
+    let (mut across, mut up) = ([0.0; TILE], [0.0; TILE]);
+    let (mut apart, mut length) = ([0.0; TILE], [0.0; TILE]);
+    let (mut along, mut beside) = ([0.0; TILE], [0.0; TILE]);
+    for lane in 0..TILE {
+        let (hx, hy) = (wi[0][lane] + wo[0][lane], wi[1][lane] + wo[1][lane]);
+        let hz = wi[2][lane] + wo[2][lane];
+        let (dx, dy) = (wi[0][lane] - wo[0][lane], wi[1][lane] - wo[1][lane]);
+        let dz = wi[2][lane] - wo[2][lane];
+        let flat = hx * hx + hy * hy;
+        across[lane] = flat.sqrt();
+        up[lane] = hz;
+        length[lane] = (flat + hz * hz).sqrt();
+        apart[lane] = (dx * dx + dy * dy + dz * dz).sqrt();
+        let inverse = 1.0 / across[lane].max(1e-30);
+        along[lane] = (hx * dx + hy * dy) * inverse * hz - dz * across[lane];
+        beside[lane] = (hx * dy - hy * dx) * inverse * length[lane];
+    }
+    for lane in 0..TILE {
+        angles.theta_h[lane] = angle(across[lane], up[lane]);
+    }
+    if with_difference {
+        for lane in 0..TILE {
+            angles.theta_d[lane] = angle(apart[lane], length[lane]);
+            let limit = narrow(NO_AZIMUTH) * length[lane];
+            let known = (across[lane] > limit) & (apart[lane] > limit);
+            let (x, y) = if known { (along[lane], beside[lane]) } else { (1.0, 0.0) };
+            let inverse = 1.0 / (x * x + y * y).max(1e-30).sqrt();
+            angles.phi_d[lane] = angle(y.abs(), x);
+            angles.cos_d[lane] = x * inverse;
+            angles.sin_d[lane] = y * inverse;
+        }
+    }
+}
+
+#[inline(always)]
+fn polar_angles(w: &[Lane; 3], out: &mut Lane) {
+    for ((out, (x, y)), z) in out.iter_mut().zip(w[0].iter().zip(&w[1])).zip(&w[2]) {
+        *out = angle((x * x + y * y).sqrt(), *z);
+    }
+}
+
+#[inline(always)]
+fn azimuth_angles(tile: &mut Tile) {
+    let Tile { wi, wo, angles, .. } = tile;
+    for lane in 0..TILE {
+        let [ix, iy, ox, oy] = [wi[0][lane], wi[1][lane], wo[0][lane], wo[1][lane]];
+        let shorter = (ix * ix + iy * iy).min(ox * ox + oy * oy).sqrt();
+        let apart = angle((ix * oy - iy * ox).abs(), ix * ox + iy * oy);
+        angles.delta_phi[lane] = if shorter > narrow(NO_AZIMUTH) { apart } else { 0.0 };
+    }
+}
+
+/// Texel positions along one axis of a texture over angles.
+#[inline(always)]
+fn angle_positions(out: &mut Lane, angles: &Angles, axis: &AxisReader, swapped: bool) {
+    let sign = if swapped { -1.0 } else { 1.0 };
+    match axis.angle {
+        Angle::ThetaH => *out = angles.theta_h,
+        Angle::ThetaD => *out = angles.theta_d,
+        Angle::PhiD => {
+            for (out, phi) in out.iter_mut().zip(&angles.phi_d) {
+                *out = if swapped { PI - phi } else { *phi };
+            }
+        }
+        Angle::PhiDModPi => {
+            for ((out, phi), sine) in out.iter_mut().zip(&angles.phi_d).zip(&angles.sin_d) {
+                *out = if *sine < 0.0 { PI - phi } else { *phi };
+            }
+        }
+        Angle::PhiDFolded => {
+            for (out, phi) in out.iter_mut().zip(&angles.phi_d) {
+                *out = phi.min(PI - phi);
+            }
+        }
+        Angle::DifferenceX | Angle::DifferenceY => {
+            let unit = if axis.angle == Angle::DifferenceX { &angles.cos_d } else { &angles.sin_d };
+            for ((out, theta), unit) in out.iter_mut().zip(&angles.theta_d).zip(unit) {
+                *out = sign * theta * unit;
+            }
+        }
+        Angle::DifferenceXFolded | Angle::DifferenceYFolded => {
+            let is_x = axis.angle == Angle::DifferenceXFolded;
+            let unit = if is_x { &angles.cos_d } else { &angles.sin_d };
+            for ((out, theta), unit) in out.iter_mut().zip(&angles.theta_d).zip(unit) {
+                *out = (theta * unit).abs();
+            }
+        }
+        Angle::ThetaI | Angle::ThetaO => {
+            let is_light = (axis.angle == Angle::ThetaI) != swapped;
+            *out = if is_light { angles.theta_i } else { angles.theta_o };
+        }
+        Angle::DeltaPhi => *out = angles.delta_phi,
+    }
+    let inverse = 1.0 / axis.unit;
+    match axis.spacing {
+        Spacing::Linear => {
+            for out in out.iter_mut() {
+                *out *= inverse;
+            }
+        }
+        Spacing::Power { exponent } => {
+            let exponent = narrow(exponent);
+            for out in out.iter_mut() {
+                *out = exp(exponent * ln((*out * inverse).max(1e-30)));
+            }
+        }
+        Spacing::Asinh { .. } => {
+            for out in out.iter_mut() {
+                let x = *out * inverse;
+                *out = ln(x + (x * x + 1.0).sqrt());
+            }
+        }
+    }
+    for out in out {
+        *out = axis.shift + axis.scale * *out;
+    }
+}
+
 /// Texel positions of all lanes.
 #[inline(always)]
 fn positions(tile: &mut Tile, source: &Source) {
@@ -245,7 +466,8 @@ fn positions(tile: &mut Tile, source: &Source) {
                 Space::Standard => &tile.standard,
                 Space::HalfDifference => &tile.half_difference,
             };
-            for (out, row) in [(&mut tile.column, &rows[0]), (&mut tile.row, &rows[1])] {
+            let [column, row] = [&mut tile.column, &mut tile.row];
+            for (out, row, centre) in [(column, &rows[0], centre[0]), (row, &rows[1], centre[1])] {
                 for lane in 0..TILE {
                     out[lane] = centre
                         + (row[0] * point[0][lane] + row[1] * point[1][lane])
@@ -263,29 +485,34 @@ fn positions(tile: &mut Tile, source: &Source) {
                 *out = scale * (x * x + y * y).sqrt();
             }
         }
+        Source::Isotropic { axes: [x, y], swapped } => {
+            angle_positions(&mut tile.column, &tile.angles, x, *swapped);
+            angle_positions(&mut tile.row, &tile.angles, y, *swapped);
+        }
     }
 }
 
 /// Adds a reader's interpolated texels to the sums.
 #[inline(always)]
 fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
-    let last_cell = (reader.size - 2) as f32;
-    let cell = |position: f32| {
+    let Grid { columns, rows } = reader.grid;
+    let cell = |position: f32, last_cell: f32| {
         let inside = position.max(0.0).min(last_cell + 1.0);
         let low = inside.floor().min(last_cell);
         (low, inside - low)
     };
-    let planar = matches!(reader.source, Source::Planar { .. });
+    let planar = rows > 1;
+    let last_cells = [(columns - 2) as f32, if planar { (rows - 2) as f32 } else { 0.0 }];
     let mut corners = [0_u32; TILE];
     let (mut us, mut vs) = ([0.0; TILE], [0.0; TILE]);
     for lane in 0..TILE {
-        let (column, u) = cell(tile.column[lane]);
-        let (row, v) = if planar { cell(tile.row[lane]) } else { (0.0, 0.0) };
-        corners[lane] = whole(row * reader.size as f32 + column);
+        let (column, u) = cell(tile.column[lane], last_cells[0]);
+        let (row, v) = if planar { cell(tile.row[lane], last_cells[1]) } else { (0.0, 0.0) };
+        corners[lane] = whole(row * columns as f32 + column);
         us[lane] = u;
         vs[lane] = v;
     }
-    let stride = if planar { reader.size } else { 0 };
+    let stride = if planar { columns } else { 0 };
     for lane in 0..TILE {
         let corner = corners[lane] as usize;
         let (u, v) = (us[lane], vs[lane]);
@@ -303,11 +530,11 @@ fn accumulate(tile: &mut Tile, reader: &Reader<'_>) {
     }
 }
 
-/// Inverse log map, clamp at 0, and 0 where a direction is not above the surface.
+/// Inverse log map, clamps at 0 and at the ceiling, and 0 where a direction is not above the surface.
 #[inline(always)]
 fn finish(
     tile: &Tile,
-    maps: &[ChannelTransform],
+    model: &FactoredBrdf,
     pairs: DirectionSlices<'_>,
     start: usize,
     len: usize,
@@ -319,7 +546,9 @@ fn finish(
         *lit = f32::from(u8::from(i > 0.0 && o > 0.0));
     }
     let mut values = [[0.0_f32; TILE]; 3];
-    for (channel, map) in maps.iter().enumerate() {
+    let maps = model.maps();
+    for (channel, (map, ceiling)) in maps.iter().zip(model.ceilings()).enumerate() {
+        let ceiling = narrow(*ceiling);
         // f = scale · e^x + shift in every case.
         let (scale, shift) = match *map {
             ChannelTransform::Offset { a } => (1.0, -narrow(a)),
@@ -329,7 +558,7 @@ fn finish(
         };
         for lane in 0..TILE {
             let value = scale * exp(tile.sums[lane][channel]) + shift;
-            values[channel][lane] = value.max(0.0) * lit[lane];
+            values[channel][lane] = value.min(ceiling).max(0.0) * lit[lane];
         }
     }
     let source = |channel: usize| &values[if maps.len() == 1 { 0 } else { channel }][..len];

@@ -4,11 +4,15 @@
 use glam::DVec2;
 
 use crate::coordinate::Reading;
+use crate::grid::cell;
 use crate::{Coordinate, Factor, FactorDescription, Grid, Problem};
 
 /// Every texel is also pulled towards zero, with this share of the mean weight per texel: enough
 /// to settle what the samples leave open (constants moving between factors), too little to show.
 const RIDGE: f64 = 1e-7;
+/// Texels that stand for one place are pulled together with this many times the mean weight per texel. What is
+/// left between them is taken away when they are stored.
+const JOIN: f64 = 1e2;
 
 /// Where a sample reads a texture: two texels of one row, two of the next, and the way between.
 ///
@@ -65,13 +69,16 @@ pub struct Columns {
     unknown_of: Vec<Option<u32>>,
     /// For each unknown, the unknowns of its texel's neighbours.
     neighbours: Vec<Neighbours>,
+    /// Unknowns that are to be equal.
+    joined: Vec<[u32; 2]>,
     /// For each coordinate, one entry per sample.
     taps: Vec<Vec<Tap>>,
-    /// Weight of a texel's Laplacian, and of the texel itself.
+    /// Weight of a texel's Laplacian, of the texel itself, and of the difference of joined ones.
     smoothing: f64,
     ridge: f64,
-    /// Texels per unit of texture coordinates.
-    texels_per_unit: f64,
+    join: f64,
+    /// Texels per unit of texture coordinates, along rows and across them.
+    texels_per_unit: [f64; 2],
 }
 
 /// Up to four unknowns.
@@ -127,12 +134,12 @@ impl Columns {
         places: &[DVec2],
         wraps: bool,
     ) -> Self {
-        let grid = Grid { dimensions: 2, size };
+        let grid = Grid::square(size);
         let unknown_of = numbered(vec![true; grid.texels()]);
         let taps = places
             .iter()
             .map(|place| {
-                let ((column, u), (row, v)) = (grid.along(place.x), grid.along(place.y));
+                let ([column, row], [u, v]) = grid.place(*place);
                 let corner = row * size + column;
                 let [low, high] = [corner, corner + size].map(|texel| unknown_of[texel]);
                 Tap { low: low.unwrap_or_default(), high: high.unwrap_or_default(), u, v }
@@ -179,16 +186,27 @@ impl Columns {
                 found
             })
             .collect();
-        let (texels, last) = (grid.texels() as f64, (grid.size - 1) as f64);
-        let per_texel = problem.total_weight() / texels;
+        let per_texel = problem.total_weight() / grid.texels() as f64;
+        let last = [grid.columns, grid.rows].map(|side| (side - 1) as f64);
+        let groups = description.iter().flat_map(FactorDescription::joined_texels);
+        let joined = groups
+            .flat_map(|group| {
+                let unknown = |texel: usize| unknown_of[texel];
+                let pairs =
+                    group.windows(2).filter_map(|two| Some([unknown(two[0])?, unknown(two[1])?]));
+                pairs.collect::<Vec<_>>()
+            })
+            .collect();
         Self {
             description,
             unknown_of,
             neighbours,
+            joined,
             taps,
             smoothing: problem.params().smoothing * per_texel,
             ridge: RIDGE * per_texel,
-            texels_per_unit: if grid.dimensions == 1 { last } else { 0.5 * last },
+            join: JOIN * per_texel,
+            texels_per_unit: if grid.dimensions() == 1 { last } else { last.map(|l| 0.5 * l) },
         }
     }
 
@@ -266,8 +284,11 @@ impl Columns {
         coordinate: usize,
         texels: &'a [f64],
     ) -> impl ExactSizeIterator<Item = [f64; 2]> + 'a {
-        let scale = self.texels_per_unit;
-        self.taps[coordinate].iter().map(move |tap| tap.slope(texels).map(|slope| scale * slope))
+        let [x, y] = self.texels_per_unit;
+        self.taps[coordinate].iter().map(move |tap| {
+            let [along, across] = tap.slope(texels);
+            [x * along, y * across]
+        })
     }
 
     /// Adds Aᵀ W Y to `out`, for a matrix Y of `width` columns, stored row by row.
@@ -279,20 +300,30 @@ impl Columns {
         }
     }
 
-    /// Laplacian and ridge rows applied to texels: the part of A below the samples.
+    /// The number of rows of A below the samples.
+    pub(crate) fn regularizer_rows(&self) -> usize {
+        2 * self.unknowns() + self.joined.len()
+    }
+
+    /// Laplacian, ridge and joining rows applied to texels: the part of A below the samples.
     pub(crate) fn regularized(&self, texels: &[f64]) -> Vec<f64> {
-        let (smoothing, ridge) = (self.smoothing.sqrt(), self.ridge.sqrt());
+        let (smoothing, ridge, join) = (self.smoothing.sqrt(), self.ridge.sqrt(), self.join.sqrt());
+        let joined = self.joined.iter().map(|two| {
+            let [a, b] = two.map(|unknown| texels[unknown as usize]);
+            join * (a - b)
+        });
         let laplacian =
             self.neighbours.iter().zip(texels).map(|(around, own)| {
                 smoothing * around.iter().map(|n| texels[n] - own).sum::<f64>()
             });
-        laplacian.chain(texels.iter().map(|x| ridge * x)).collect()
+        laplacian.chain(texels.iter().map(|x| ridge * x)).chain(joined).collect()
     }
 
     /// Adds the transpose of [`Columns::regularized`].
     pub(crate) fn add_regularized_transposed(&self, y: &[f64], out: &mut [f64]) {
-        let (smoothing, ridge) = (self.smoothing.sqrt(), self.ridge.sqrt());
-        let (laplacian, own) = y.split_at(self.unknowns());
+        let (smoothing, ridge, join) = (self.smoothing.sqrt(), self.ridge.sqrt(), self.join.sqrt());
+        let (laplacian, rest) = y.split_at(self.unknowns());
+        let (own, joined) = rest.split_at(self.unknowns());
         for (unknown, (around, value)) in self.neighbours.iter().zip(laplacian).enumerate() {
             for neighbour in around.iter() {
                 out[neighbour] += smoothing * value;
@@ -302,9 +333,13 @@ impl Columns {
         for (out, value) in out.iter_mut().zip(own) {
             *out += ridge * value;
         }
+        for (&[a, b], value) in self.joined.iter().zip(joined) {
+            out[a as usize] += join * value;
+            out[b as usize] -= join * value;
+        }
     }
 
-    /// Calls `entry` with every non-zero entry (row, column, value) of LᵀL + ridge.
+    /// Calls `entry` with every non-zero entry (row, column, value) of LᵀL, ridge and joining.
     pub(crate) fn for_each_regularizer(&self, mut entry: impl FnMut(usize, usize, f64)) {
         for (unknown, around) in self.neighbours.iter().enumerate() {
             let degree: f64 = around.iter().map(|_| 1.0).sum();
@@ -316,6 +351,13 @@ impl Columns {
                     entry(a, b, self.smoothing);
                 }
             }
+        }
+        for two in &self.joined {
+            let [a, b] = two.map(|unknown| unknown as usize);
+            entry(a, a, self.join);
+            entry(b, b, self.join);
+            entry(a, b, -self.join);
+            entry(b, a, -self.join);
         }
     }
 
@@ -394,14 +436,18 @@ fn taps(
     unknown_of: &[Option<u32>],
 ) -> Vec<Tap> {
     let grid = factor.grid();
-    let size = grid.size;
+    let columns = grid.columns;
     // The mask holds every texel around a point of the image, so all are found.
     let unknown = |texel: usize| unknown_of[texel].unwrap_or_default();
+    let planar = |([column, row], [u, v]): ([usize; 2], [f64; 2])| {
+        let corner = row * columns + column;
+        Tap { low: unknown(corner), high: unknown(corner + columns), u, v }
+    };
     match coordinate.reading() {
         Reading::Planar(plane) => {
-            let middle = 0.5 * (size - 1) as f64;
-            let rows = plane.projection.scaled_by(factor.extent()).rows();
-            let [a, b] = rows.map(|row| (middle * row).to_array());
+            let middle = 0.5 * DVec2::new((columns - 1) as f64, (grid.rows - 1) as f64);
+            let [a, b] = plane.projection.scaled_by(factor.extent()).rows();
+            let (a, b) = ((middle.x * a).to_array(), (middle.y * b).to_array());
             let dot = |r: &[f64; 4], p: &[f64; 4]| {
                 (r[0] * p[0] + r[1] * p[1]) + (r[2] * p[2] + r[3] * p[3])
             };
@@ -409,17 +455,24 @@ fn taps(
                 .points(plane.space)
                 .iter()
                 .map(|point| {
-                    let (column, u) = grid.cell(middle + dot(&a, point));
-                    let (row, v) = grid.cell(middle + dot(&b, point));
-                    let corner = row * size + column;
-                    Tap { low: unknown(corner), high: unknown(corner + size), u, v }
+                    let (column, u) = cell(middle.x + dot(&a, point), columns);
+                    let (row, v) = cell(middle.y + dot(&b, point), grid.rows);
+                    planar(([column, row], [u, v]))
                 })
                 .collect()
         }
+        Reading::Isotropic { .. } => problem
+            .pairs()
+            .map(|pair| {
+                let place = coordinate.locate(&pair, factor.extent());
+                planar(grid.place(0.5 * (place + 1.0)))
+            })
+            .collect(),
         Reading::Radial(_) => problem
             .pairs()
             .map(|pair| {
-                let (low, u) = grid.along(coordinate.locate(&pair, factor.extent()).x);
+                let place = coordinate.locate(&pair, factor.extent()).x;
+                let (low, u) = cell(place * (columns - 1) as f64, columns);
                 Tap { low: unknown(low), high: unknown(low), u, v: 0.0 }
             })
             .collect(),

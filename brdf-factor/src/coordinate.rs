@@ -7,6 +7,9 @@ use brdf_param::{
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use crate::Grid;
+use crate::isotropic::{Angles, Axis, joined_texels};
+
 /// A map from direction pairs to texture coordinates, before they are scaled.
 ///
 /// ```
@@ -43,6 +46,14 @@ pub enum Coordinate {
         /// The plane that it is projected onto.
         projection: Projection,
     },
+    /// Two angles that a turn about the normal does not change.
+    Isotropic {
+        /// Across the columns, and across the rows of the texture.
+        axes: [Axis; 2],
+        /// Whether they are those of the swapped pair.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        swapped: bool,
+    },
 }
 
 /// What a two-dimensional coordinate amounts to: a projection in a space.
@@ -73,6 +84,7 @@ pub(crate) enum Radial {
 pub(crate) enum Reading {
     Planar(Plane),
     Radial(Radial),
+    Isotropic { axes: [Axis; 2], swapped: bool },
 }
 
 impl Coordinate {
@@ -102,6 +114,10 @@ impl Coordinate {
             Self::Projected { space, projection } => {
                 Self::Projected { space, projection: projection.reciprocal_conjugate(space) }
             }
+            Self::Isotropic { axes, swapped } => {
+                let is_own = axes.iter().all(|axis| axis.angle.is_reciprocal());
+                Self::Isotropic { axes, swapped: swapped != !is_own }
+            }
         }
     }
 
@@ -120,24 +136,40 @@ impl Coordinate {
             Self::Projected { space, projection } => {
                 Reading::Planar(Plane { space, projection, fixed: None })
             }
+            Self::Isotropic { axes, swapped } => Reading::Isotropic { axes, swapped },
         }
     }
 
-    /// The largest radii that pairs give a radial coordinate.
+    /// The largest radius that pairs give a radial coordinate, or the largest angles of an isotropic one.
     pub(crate) fn largest_radii(&self, pairs: impl Iterator<Item = DirectionPair>) -> DiscRadii {
-        let radius = match self.reading() {
-            Reading::Radial(radial) => pairs.map(|pair| radial.value(&pair)).fold(0.0, f64::max),
-            Reading::Planar(_) => 1.0,
-        };
-        DiscRadii { first: radius, second: radius }
+        match self.reading() {
+            Reading::Planar(_) => DiscRadii::UNIT,
+            Reading::Radial(radial) => {
+                let radius = pairs.map(|pair| radial.value(&pair)).fold(0.0, f64::max);
+                DiscRadii { first: radius, second: radius }
+            }
+            Reading::Isotropic { axes, .. } => {
+                let none = DiscRadii { first: 0.0, second: 0.0 };
+                // Of the swapped pair too, so that the coordinate and its conjugate share a scale.
+                pairs.flat_map(|pair| [pair, pair.swapped()]).fold(none, |largest, pair| {
+                    let angles = Angles::from_pair(&pair);
+                    let [first, second] = axes.map(|axis| angles.get(axis.angle).abs());
+                    largest.max(DiscRadii { first, second })
+                })
+            }
+        }
     }
 
-    /// Half the extent of the coordinate's image, by which it is divided.
+    /// Half the extent of the coordinate's image, by which it is divided; largest angles of an isotropic one.
     pub(crate) fn extent(&self, bound: Bound, radii: DiscRadii) -> DVec2 {
         match self.reading() {
             Reading::Planar(Plane { fixed: None, projection, .. }) => {
                 projection.extent(bound, radii)
             }
+            Reading::Isotropic { axes: [x, y], .. } => DVec2::new(
+                x.angle.range().unwrap_or(radii.first),
+                y.angle.range().unwrap_or(radii.second),
+            ),
             // One disc: its radius, or 1 for the loose bound.
             _ => DVec2::splat(match bound {
                 Bound::Disc => radii.first,
@@ -146,10 +178,10 @@ impl Coordinate {
         }
     }
 
-    /// The outline of the scaled image of a two-dimensional coordinate; empty for radial ones.
+    /// The outline of the scaled image of a planar coordinate; empty for others, which use all texels.
     pub(crate) fn image(&self, bound: Bound, radii: DiscRadii, extent: DVec2) -> Vec<DVec2> {
         match self.reading() {
-            Reading::Radial(_) => Vec::new(),
+            Reading::Radial(_) | Reading::Isotropic { .. } => Vec::new(),
             Reading::Planar(Plane { fixed: None, projection, .. }) => {
                 projection.scaled_by(extent).image_polygon(bound, radii)
             }
@@ -164,7 +196,7 @@ impl Coordinate {
         }
     }
 
-    /// Texture coordinates of a pair: [−1, 1]² for planar coordinates; ([0, 1], 0) for radial ones.
+    /// Texture coordinates of a pair: ([0, 1], 0) for radial coordinates, else [−1, 1]².
     pub(crate) fn locate(&self, pair: &DirectionPair, extent: DVec2) -> DVec2 {
         match self.reading() {
             Reading::Radial(radial) => DVec2::new(radial.value(pair) / extent.x, 0.0),
@@ -175,6 +207,18 @@ impl Coordinate {
             Reading::Planar(plane @ Plane { fixed: Some(half), .. }) => {
                 plane.half_point(half, pair) / extent
             }
+            Reading::Isotropic { axes: [x, y], swapped } => {
+                let angles = Angles::from_pair(&if swapped { pair.swapped() } else { *pair });
+                DVec2::new(x.locate(&angles, extent.x), y.locate(&angles, extent.y))
+            }
+        }
+    }
+
+    /// The texels of a grid that stand for one place, group by group.
+    pub(crate) fn joined_texels(&self, grid: Grid) -> Vec<Vec<usize>> {
+        match self {
+            Self::Isotropic { axes, .. } => joined_texels(axes, grid),
+            _ => Vec::new(),
         }
     }
 }
@@ -231,12 +275,16 @@ impl Radial {
 pub struct FactorSpec {
     /// The coordinates: at least one, all of the same number of dimensions.
     pub coordinates: Vec<Coordinate>,
+    /// The grid of its texture; none for one of the size that the options of the fit say, as many texels along
+    /// both sides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grid: Option<Grid>,
 }
 
 impl FactorSpec {
     /// Returns a factor with one coordinate.
     pub fn single(coordinate: Coordinate) -> Self {
-        Self { coordinates: vec![coordinate] }
+        Self::sharing(vec![coordinate])
     }
 
     /// Returns a factor whose coordinate shares its texture with its reciprocal conjugate.
@@ -248,8 +296,26 @@ impl FactorSpec {
         if conjugate == coordinate {
             Self::single(coordinate)
         } else {
-            Self { coordinates: vec![coordinate, conjugate] }
+            Self::sharing(vec![coordinate, conjugate])
         }
+    }
+
+    fn sharing(coordinates: Vec<Coordinate>) -> Self {
+        Self { coordinates, grid: None }
+    }
+
+    /// Returns the factor with this grid.
+    #[must_use]
+    pub fn with_grid(self, grid: Grid) -> Self {
+        Self { grid: Some(grid), ..self }
+    }
+
+    /// Returns the factor's grid, which has `size` texels along a side where the factor does not say.
+    pub fn grid(&self, size: usize) -> Grid {
+        self.grid.unwrap_or_else(|| match self.coordinates.first().map(Coordinate::dimensions) {
+            Some(1) => Grid::line(size),
+            _ => Grid::square(size),
+        })
     }
 
     /// Returns whether the factor stays the same when light and viewer are exchanged: the coordinates
@@ -281,7 +347,7 @@ impl FactorSpec {
 
     fn around_half([light, half, viewer]: [Coordinate; 3], reciprocal: bool) -> Vec<Self> {
         if reciprocal {
-            vec![Self { coordinates: vec![light, viewer] }, Self::single(half)]
+            vec![Self::sharing(vec![light, viewer]), Self::single(half)]
         } else {
             vec![Self::single(light), Self::single(half), Self::single(viewer)]
         }

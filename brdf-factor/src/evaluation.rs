@@ -8,7 +8,11 @@ use crate::batch;
 
 impl Brdf for FactoredBrdf {
     fn eval(&self, pair: &DirectionPair) -> Rgb {
-        self.eval_unclamped(pair).map(|v| v.max(0.0))
+        let channels = self.eval_unclamped(pair).channels();
+        // One ceiling serves all channels of a model of luminance.
+        let ceilings = self.ceilings();
+        let held = |c: usize| channels[c].min(ceilings[c.min(ceilings.len() - 1)]).max(0.0);
+        Rgb::new(held(0), held(1), held(2))
     }
 
     fn eval_unclamped(&self, pair: &DirectionPair) -> Rgb {

@@ -8,7 +8,7 @@ use brdf_param::{Bound, DirectionPair, DiscRadii};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::{ChannelTransform, Coordinate, FactorError, Grid};
+use crate::{Axis, ChannelTransform, Coordinate, FactorError, Grid};
 
 /// The description of a factor: everything but its texels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,8 @@ pub struct FactorDescription {
     pub grid: Grid,
     /// The bound by which the image of the coordinates was fitted into the texture.
     pub bound: Bound,
-    /// Largest radii of the coordinates over the training samples, in parabolic units.
+    /// Largest radii of the coordinates over the training samples, in parabolic units; largest angles of isotropic
+    /// coordinates, in radians.
     pub radii: DiscRadii,
     /// The extent that coordinates are divided by to give texture coordinates.
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
@@ -28,18 +29,17 @@ pub struct FactorDescription {
 }
 
 impl FactorDescription {
-    /// Returns a description with `size` texels a side, scaled to coordinates of these radii.
+    /// Returns a description with this grid, scaled to coordinates of these radii.
     ///
     /// # Errors
     ///
     /// As [`FactorDescription::check`].
     pub fn new(
         coordinates: &[Coordinate],
-        size: usize,
+        grid: Grid,
         bound: Bound,
         radii: DiscRadii,
     ) -> Result<Self, FactorError> {
-        let grid = Grid { dimensions: coordinates.first().map_or(2, Coordinate::dimensions), size };
         let extent = coordinates
             .iter()
             .map(|coordinate| coordinate.extent(bound, radii))
@@ -49,28 +49,43 @@ impl FactorDescription {
         Ok(description)
     }
 
+    /// The texels that stand for one place, group by group.
+    pub(crate) fn joined_texels(&self) -> Vec<Vec<usize>> {
+        // Conjugates have the same.
+        self.coordinates.first().map_or_else(Vec::new, |c| c.joined_texels(self.grid))
+    }
+
     /// Checks that the parts fit together.
     ///
     /// # Errors
     ///
     /// [`FactorError::TextureSize`] for a size outside [`Grid::SIZES`]; [`FactorError::Factors`]
-    /// unless there are coordinates, all of the grid's dimension, and radii and extent are positive
-    /// and finite.
+    /// unless there are coordinates, all of the grid's dimension, with spacings in range, and radii and extent are
+    /// positive and finite.
     pub fn check(&self) -> Result<(), FactorError> {
-        if !Grid::SIZES.contains(&self.grid.size) {
+        let Grid { columns, rows } = self.grid;
+        let sides = [columns, if rows == 1 { columns } else { rows }];
+        if let Some(&size) = sides.iter().find(|size| !Grid::SIZES.contains(size)) {
             let (min, max) = (*Grid::SIZES.start(), *Grid::SIZES.end());
-            return Err(FactorError::TextureSize { size: self.grid.size, min, max });
+            return Err(FactorError::TextureSize { size, min, max });
         }
         let refuse =
             |found: &str, expected| Err(FactorError::Factors { found: found.to_owned(), expected });
         if self.coordinates.is_empty() {
             return refuse("a factor without coordinates", "at least one");
         }
-        if self.coordinates.iter().any(|c| c.dimensions() != self.grid.dimensions) {
+        if self.coordinates.iter().any(|c| c.dimensions() != self.grid.dimensions()) {
             return refuse(
                 "a texture whose coordinates have other dimensions than its grid",
                 "coordinates and grid of the same dimension",
             );
+        }
+        let axes = self.coordinates.iter().filter_map(|coordinate| match coordinate {
+            Coordinate::Isotropic { axes, .. } => Some(axes),
+            _ => None,
+        });
+        if let Some(expected) = axes.flatten().find_map(Axis::fault) {
+            return refuse("an axis whose texels cannot be spaced so", expected);
         }
         let scales = [self.radii.first, self.radii.second, self.extent.x, self.extent.y];
         if !scales.iter().all(|s| s.is_finite() && *s > 0.0) {
@@ -207,6 +222,8 @@ pub struct EvalCounts {
     pub outside_texture: usize,
     /// Number of values with a negative channel, which was set to 0.
     pub clamped_below_zero: usize,
+    /// Number of values with a channel above its ceiling, which was set to that.
+    pub clamped_at_ceiling: usize,
 }
 
 /// A BRDF as a product of factors, each a texture.
@@ -220,7 +237,7 @@ pub struct EvalCounts {
 ///
 /// // One texture over the half vector whose log texels are all 0: f = exp(0) = 1 sr⁻¹.
 /// let description =
-///     FactorDescription::new(&[Coordinate::H], 4, Bound::Disc, DiscRadii::UNIT)?;
+///     FactorDescription::new(&[Coordinate::H], Grid::square(4), Bound::Disc, DiscRadii::UNIT)?;
 /// let factor = Factor::new(description, None)?;
 /// let model = FactoredBrdf::new(vec![factor], vec![ChannelTransform::Log], 1.4)?;
 /// assert_eq!(model.payload_bytes(), 4 * 4 * 4);
@@ -231,6 +248,8 @@ pub struct EvalCounts {
 pub struct FactoredBrdf {
     factors: Vec<Factor>,
     maps: Vec<ChannelTransform>,
+    /// Largest value of each channel, sr⁻¹; infinite where there is none.
+    ceilings: Vec<f64>,
     /// Grazing limit in radians: beyond it, evaluation pulls directions back along their azimuth.
     theta_max: f64,
 }
@@ -261,7 +280,29 @@ impl FactoredBrdf {
                 expected: "more than 0 and at most 90 degrees",
             });
         }
-        Ok(Self { factors, maps, theta_max })
+        let ceilings = vec![f64::INFINITY; maps.len()];
+        Ok(Self { factors, maps, ceilings, theta_max })
+    }
+
+    /// Returns the model held at these values, one for each channel, in sr⁻¹: no highlight gets brighter than what was
+    /// measured.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Factors`] unless there is one for each channel, and none is negative or NaN.
+    pub fn with_ceilings(self, ceilings: Vec<f64>) -> Result<Self, FactorError> {
+        if ceilings.len() != self.maps.len() || !ceilings.iter().all(|c| *c >= 0.0) {
+            return Err(FactorError::Factors {
+                found: format!("ceilings {ceilings:?} of {} channels", self.maps.len()),
+                expected: "one for each channel, 0 or more",
+            });
+        }
+        Ok(Self { ceilings, ..self })
+    }
+
+    /// Returns the largest value that the model gives in each channel, in sr⁻¹; infinite where it is not held.
+    pub fn ceilings(&self) -> &[f64] {
+        &self.ceilings
     }
 
     /// Returns the factors.
@@ -309,6 +350,8 @@ impl FactoredBrdf {
             let value = self.eval_unclamped(&pair);
             let channels = &value.channels()[..self.maps.len()];
             counts.clamped_below_zero += usize::from(channels.iter().any(|&v| v < 0.0));
+            let is_above = channels.iter().zip(&self.ceilings).any(|(v, ceiling)| v > ceiling);
+            counts.clamped_at_ceiling += usize::from(is_above);
         }
         counts
     }

@@ -135,8 +135,9 @@ fn solve(
     let mut all = earlier.to_vec();
     all.extend(factors);
     settle_constants(&mut all, [0.0; 4])?;
+    let model = FactoredBrdf::new(all, problem.maps().to_vec(), problem.theta_max())?;
     Ok(Fit {
-        model: FactoredBrdf::new(all, problem.maps().to_vec(), problem.theta_max())?,
+        model: if params.clamp { model.with_ceilings(problem.largest_values())? } else { model },
         samples_used: problem.len(),
         dropped: problem.dropped(),
         clamped: problem.clamped(),
@@ -171,15 +172,23 @@ fn refuse_free_texels(untouched: &[Vec<usize>], factors: &[Factor]) -> Result<()
     match first {
         None => Ok(()),
         Some((factor, texel)) => {
-            let size = factors[factor].grid().size;
+            let columns = factors[factor].grid().columns;
             let others = count - 1;
-            Err(FactorError::FreeTexel { factor, u: texel % size, v: texel / size, others })
+            Err(FactorError::FreeTexel { factor, u: texel % columns, v: texel / columns, others })
         }
     }
 }
 
-/// Narrows log texels to f32 and fills those outside the mask.
+/// Narrows log texels to f32, makes those equal that stand for one place, and fills those outside the mask.
 pub(crate) fn store(factor: &mut Factor, texels: &[[f64; 4]]) -> Result<(), FactorError> {
+    let mut texels = texels.to_vec();
+    for group in factor.description().joined_texels() {
+        let count = group.len() as f64;
+        let mean = std::array::from_fn(|channel| {
+            group.iter().map(|&texel| texels[texel][channel]).sum::<f64>() / count
+        });
+        group.iter().for_each(|&texel| texels[texel] = mean);
+    }
     #[expect(clippy::cast_possible_truncation, reason = "textures are stored as f32")]
     let mut narrow: Vec<[f32; 4]> = texels.iter().map(|texel| texel.map(|v| v as f32)).collect();
     factor.grid().fill_unmasked(&factor.mask(), &mut narrow);

@@ -5,7 +5,8 @@
 //! Taking logarithms turns the product into a sum, so that the best texels are found at once.
 //!
 //! - A [`FactorSpec`] lists the coordinates that share a texture. [`FactorSpec::mccool`] and
-//!   [`FactorSpec::radial`] are published choices, [`FactorSpec::projections`] takes any others.
+//!   [`FactorSpec::radial`] are published choices, [`FactorSpec::projections`] takes any planes,
+//!   [`IsotropicPairs`] has pairs of angles for isotropic materials.
 //! - [`factorize`] fits the textures to a set of samples; [`FactorParams`] are its options.
 //! - The result is a [`Fit`], which holds a [`FactoredBrdf`]. That is a [`Brdf`](brdf_model::Brdf) again.
 //! - [`cross_validate`] estimates errors on samples that were not fitted.
@@ -40,6 +41,8 @@ mod evaluation;
 mod factored;
 mod factorization;
 mod grid;
+mod isotropic;
+mod isotropic_pairs;
 mod iterated;
 mod linear_system;
 mod log_transform;
@@ -59,6 +62,8 @@ pub use error::FactorError;
 pub use factored::{EvalCounts, Factor, FactorDescription, FactoredBrdf};
 pub use factorization::{Fit, factorize, factorize_terms};
 pub use grid::Grid;
+pub use isotropic::{Angle, Axis, Spacing};
+pub use isotropic_pairs::IsotropicPairs;
 pub use linear_system::LinearSystem;
 pub use log_transform::{ChannelTransform, LogTransform};
 pub use normal_equations::{CholeskyFactor, NormalEquations};

@@ -41,7 +41,7 @@ impl LinearSystem {
 
     /// Returns the number of rows of A.
     pub fn row_count(&self) -> usize {
-        self.weights.len() + 2 * self.unknowns()
+        self.weights.len() + self.columns.iter().map(|c| c.regularizer_rows()).sum::<usize>()
     }
 
     /// Returns the right-hand side y for one target of each sample: weighted targets, then zeros for the
@@ -72,7 +72,7 @@ impl LinearSystem {
         let weighted = self.weighted(samples);
         let mut x = Vec::with_capacity(self.unknowns());
         for columns in &self.columns {
-            let (own, rest) = below.split_at(2 * columns.unknowns());
+            let (own, rest) = below.split_at(columns.regularizer_rows());
             below = rest;
             let mut part = vec![0.0; columns.unknowns()];
             columns.add_transposed(&weighted, &mut part);

@@ -45,6 +45,9 @@ pub enum Weight {
     F,
     /// Weight f², which comes close to making linear errors small.
     F2,
+    /// The weight under which the four errors of a [`FidelityErrors`](brdf_model::FidelityErrors) are made small
+    /// together: displayed values, cube roots, energy and logarithms.
+    Fidelity,
 }
 
 /// The textures that are solved for together when a model has several terms.
@@ -83,6 +86,8 @@ pub struct FactorParams {
     pub weight: Weight,
     /// The textures that are solved for together, where there are several terms.
     pub terms: TermSolve,
+    /// Whether a model is held at the largest fitted value of each channel.
+    pub clamp: bool,
     /// Grazing limit in radians, (0, π/2]. Samples beyond it must not be given, and evaluation pulls
     /// directions back to it.
     pub theta_max: f64,
@@ -99,6 +104,7 @@ impl Default for FactorParams {
             log_map: LogTransform::Offset,
             weight: Weight::Log,
             terms: TermSolve::All,
+            clamp: true,
             theta_max: 80_f64.to_radians(),
             solver: None,
         }

@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use brdf_model::{Dropped, SampleSet};
+use brdf_model::{Dropped, MeasuredValue, SampleSet, log_offsets};
 use brdf_param::{DirectionPair, DiscRadii, Space, polar_angle};
 use glam::DVec3;
 
@@ -61,7 +61,7 @@ impl Problem {
         let maps = ChannelTransform::for_samples(params.log_map, samples);
         let origin = morton_order(samples);
         let sorted = samples.rearranged(&origin);
-        let weights = weights(&sorted, params.weight);
+        let weights = weights(&sorted, params.weight, &maps);
         // The lowest direction is the one farthest from the normal.
         let lowest = |a: DVec3, b: DVec3| if b.z < a.z { b } else { a };
         let widest = polar_angle(
@@ -205,6 +205,12 @@ impl Problem {
         &self.space(space).points
     }
 
+    /// Returns the largest value of each channel, in sr⁻¹.
+    pub fn largest_values(&self) -> Vec<f64> {
+        let largest = |values: &Vec<f64>| values.iter().copied().fold(0.0, f64::max);
+        self.samples.values().iter().map(largest).collect()
+    }
+
     /// Returns, for each sample, its index in the order in which the samples were given.
     pub fn origin(&self) -> &[usize] {
         &self.origin
@@ -217,7 +223,8 @@ impl Problem {
         places.into_iter().map(|at| values[at]).collect()
     }
 
-    /// Returns a factor whose texels are 0, scaled to the samples.
+    /// Returns a factor whose texels are 0, scaled to the samples; of `size` texels along a side, unless it says
+    /// otherwise.
     ///
     /// # Errors
     ///
@@ -230,7 +237,7 @@ impl Problem {
             .iter()
             .map(|coordinate| match coordinate.reading() {
                 Reading::Planar(plane) => plane.radii(self.space(plane.space).radii),
-                Reading::Radial(_) => coordinate.largest_radii(self.samples.pairs()),
+                _ => coordinate.largest_radii(self.samples.pairs()),
             })
             .fold(none, DiscRadii::max);
         let radii = DiscRadii {
@@ -238,7 +245,7 @@ impl Problem {
             second: RADIUS_MARGIN * largest.second,
         };
         Factor::new(
-            FactorDescription::new(&spec.coordinates, size, self.params.bound, radii)?,
+            FactorDescription::new(&spec.coordinates, spec.grid(size), self.params.bound, radii)?,
             None,
         )
     }
@@ -266,18 +273,60 @@ impl Problem {
 }
 
 /// One weight per sample, the same for all channels, so that one matrix serves them all.
-fn weights(samples: &SampleSet, weight: Weight) -> Vec<f64> {
+fn weights(samples: &SampleSet, weight: Weight, maps: &[ChannelTransform]) -> Vec<f64> {
     let channels = samples.values().len() as f64;
     let mean = |index: usize| samples.values().iter().map(|c| c[index]).sum::<f64>() / channels;
-    let weights: Vec<f64> = (0..samples.len())
-        .map(|index| match weight {
-            Weight::Log => 1.0,
-            Weight::F => mean(index),
-            Weight::F2 => mean(index).powi(2),
-        })
-        .collect();
+    let weights: Vec<f64> = match weight {
+        Weight::Log => vec![1.0; samples.len()],
+        Weight::F => (0..samples.len()).map(mean).collect(),
+        Weight::F2 => (0..samples.len()).map(|index| mean(index).powi(2)).collect(),
+        Weight::Fidelity => fidelity_weights(samples, maps),
+    };
     // A material that is black everywhere has nothing to weight by.
     if weights.iter().any(|&w| w > 0.0) { weights } else { vec![1.0; samples.len()] }
+}
+
+/// What the four measures of a [`brdf_model::FidelityErrors`] change with the fitted logarithms: squares of the slopes,
+/// each measure over its mean, and none more than so many times the median.
+fn fidelity_weights(samples: &SampleSet, maps: &[ChannelTransform]) -> Vec<f64> {
+    /// Energy depends on the brightest samples alone.
+    const PARTS: [f64; 4] = [1.0, 1.0, 0.3, 1.0];
+    const CAP: f64 = 30.0;
+    let offsets: Vec<f64> = maps
+        .iter()
+        .zip(log_offsets(samples))
+        .map(|(map, usual)| match map {
+            ChannelTransform::Offset { a } => *a,
+            _ => usual,
+        })
+        .collect();
+    let squares: Vec<[f64; 4]> = samples
+        .pairs()
+        .enumerate()
+        .map(|(index, pair)| {
+            let channels = samples.values().iter().zip(&offsets);
+            channels.fold([0.0; 4], |sum, (values, &offset)| {
+                let (value, cosine) = (values[index], pair.wi.z);
+                let slopes = MeasuredValue { value, cosine, offset }.slopes();
+                std::array::from_fn(|m| sum[m] + slopes[m] * slopes[m])
+            })
+        })
+        .collect();
+    let count = squares.len() as f64;
+    let factors: [f64; 4] = std::array::from_fn(|m| {
+        let mean = squares.iter().map(|square| square[m]).sum::<f64>() / count;
+        PARTS[m] / mean.max(f64::MIN_POSITIVE)
+    });
+    let mut weights: Vec<f64> = squares
+        .iter()
+        .map(|square| square.iter().zip(factors).map(|(square, factor)| square * factor).sum())
+        .collect();
+    let mut sorted = weights.clone();
+    let middle = sorted.len() / 2;
+    let (_, median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
+    let cap = CAP * *median;
+    weights.iter_mut().for_each(|weight| *weight = weight.min(cap));
+    weights
 }
 
 /// Indices of the samples along a Morton curve through their standard coordinates.

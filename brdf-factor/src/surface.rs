@@ -22,7 +22,7 @@ pub struct SurfaceTexture {
 impl SurfaceTexture {
     /// Adds the log values at a place, which is moved to the rim if it lies outside.
     fn add_log_values(&self, uv: DVec2, sum: &mut [f64; 3]) {
-        let grid = Grid { dimensions: 2, size: self.size };
+        let grid = Grid::square(self.size);
         for (texel, weight) in grid.taps(2.0 * uv - DVec2::ONE).iter() {
             for (total, &value) in sum.iter_mut().zip(&self.texels[texel]) {
                 *total += weight * f64::from(value);

@@ -1,21 +1,19 @@
 //! The method that suits a material, by trying those that may.
 
 use brdf_job::Job;
-use brdf_model::{ANISOTROPIC, Channels, FidelityPairs, FitErrors, ScrambledSobol, anisotropy};
+use brdf_model::{ANISOTROPIC, anisotropy};
 use brdf_spline::SPLINE_BYTES;
 
 use crate::compact::{CompactMethod, CompactSettings, fit_compact};
 use crate::error::FitError;
-use crate::factored::{FactoredMethod, FactoredSettings, fit_factored};
+use crate::factored::{FactoredMethod, FactoredSettings, fit_factored, mccool_size};
 use crate::fitted::Fit;
+use crate::isotropic::IsotropicSettings;
+use crate::judge::{Judge, row_error};
 use crate::material::Material;
 use crate::note::FitNote;
 use crate::record::TriedModel;
 
-/// Bytes of a texel of three channels.
-const TEXEL_BYTES: usize = 12;
-/// Textures of McCool's factorization.
-const MCCOOL_TEXTURES: usize = 2;
 /// Sizes that are tried until one reaches an error.
 const SIZES: [usize; 6] = [500, 1_000, 2_700, 8_192, 16_384, 33_000];
 
@@ -46,7 +44,8 @@ pub struct AutoSettings {
 
 /// Fits a material by the methods that may suit it and returns the best, with a [`FitNote::ChosenMethod`].
 ///
-/// An isotropic material gets splines, one or two GGX lobes or McCool's textures: whichever has the lowest
+/// An isotropic material gets splines, one or two GGX lobes, textures over pairs of angles or McCool's: whichever has
+/// the lowest
 /// [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs, which are neither fitted nor held out. Scattered
 /// samples are judged by the geometric mean of log and linear error (root mean squares) over ten folds. An anisotropic material is searched for projections,
 /// since the others would lose what turns with it.
@@ -65,7 +64,11 @@ pub fn fit_auto(
         found.add_note(FitNote::SearchedAsAnisotropic { change });
         return Ok(found);
     }
-    let judge = Judge::new(material, settings);
+    let common = &settings.search;
+    let channels = common.channels.unwrap_or(material.channels());
+    // Scattered rows have folds instead.
+    let is_drawn = material.samples().is_none();
+    let judge = is_drawn.then(|| Judge::new(material, channels, common.seed, common.theta_max));
     let steps: Vec<Vec<Candidate>> = match settings.aim {
         Aim::Bytes(bytes) => vec![candidates(settings, bytes)],
         Aim::Error(_) => SIZES.iter().map(|&bytes| candidates(settings, bytes)).collect(),
@@ -81,7 +84,13 @@ pub fn fit_auto(
                 Err(error) if step.len() == 1 => return Err(error),
                 Err(_) => continue,
             };
-            let error = judge.error(material, &found);
+            let error = match &judge {
+                Some(judge) => judge.error(found.brdf()),
+                None => {
+                    let errors = found.held_out().or_else(|| found.training());
+                    errors.map_or(f64::INFINITY, row_error)
+                }
+            };
             let model = TriedModel { method: found.method(), bytes: found.bytes(), error };
             if !tried.contains(&model) {
                 tried.push(model);
@@ -138,44 +147,21 @@ fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
         })
     };
     let bytes = bytes.clamp(*SPLINE_BYTES.start(), *SPLINE_BYTES.end());
-    let size = (bytes / (TEXEL_BYTES * MCCOOL_TEXTURES)).isqrt().clamp(2, 64);
-    let mccool = FactoredSettings {
-        method: FactoredMethod::McCool,
-        texture_size: Some(size),
-        ..common.clone()
+    let textures = |method, texture_size| {
+        Candidate::Factored(Box::new(FactoredSettings {
+            texture_size,
+            theta_max: common.theta_max,
+            seed: common.seed,
+            channels: common.channels,
+            ..FactoredSettings::of(method)
+        }))
     };
+    let angles = IsotropicSettings { bytes, ..IsotropicSettings::default() };
     vec![
         compact(CompactMethod::Spline { bytes }),
         compact(CompactMethod::Ggx { lobes: 1 }),
         compact(CompactMethod::Ggx { lobes: 2 }),
-        Candidate::Factored(Box::new(mccool)),
+        textures(FactoredMethod::Isotropic(angles), None),
+        textures(FactoredMethod::McCool, Some(mccool_size(bytes))),
     ]
-}
-
-/// What models are chosen by.
-struct Judge {
-    pairs: FidelityPairs,
-    channels: Channels,
-}
-
-impl Judge {
-    fn new(material: &Material<'_>, settings: &AutoSettings) -> Self {
-        let common = &settings.search;
-        let seed = ScrambledSobol::validation_seed(common.seed);
-        Self {
-            pairs: FidelityPairs::new(seed, common.theta_max),
-            channels: common.channels.unwrap_or(material.channels()),
-        }
-    }
-
-    fn error(&self, material: &Material<'_>, found: &Fit) -> f64 {
-        if material.samples().is_some() {
-            let errors = found.held_out().or_else(|| found.training());
-            // Root mean squares; relative to each other linear ones need no unit.
-            let both = |e: &FitErrors| (e.log.mean_square * e.linear.mean_square).powf(0.25);
-            return errors.map_or(f64::INFINITY, both);
-        }
-        let reference = self.channels.of(material.brdf());
-        self.pairs.measure(&*reference, found.brdf()).score()
-    }
 }

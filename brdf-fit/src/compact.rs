@@ -206,6 +206,13 @@ struct Fitted {
     not_finite: usize,
 }
 
+/// What there is to say of an isotropic model of a material that is not.
+pub(crate) fn taken_isotropic(material: &Material<'_>) -> Option<FitNote> {
+    let change = anisotropy(material.brdf());
+    let is_told = material.samples().is_none() && change > ANISOTROPIC;
+    is_told.then_some(FitNote::TakenIsotropic { change })
+}
+
 /// Fits a compact model; see [`fit`](crate::fit) for what is held out. An anisotropic material is taken to be what it is
 /// at one azimuth of the half vector, and a note says so.
 ///
@@ -258,10 +265,7 @@ pub fn fit_compact(
     if rows.is_some() && held_out.is_some() {
         notes.push(FitNote::Folds);
     }
-    let change = anisotropy(material.brdf());
-    if rows.is_none() && change > ANISOTROPIC {
-        notes.push(FitNote::TakenIsotropic { change });
-    }
+    notes.extend(taken_isotropic(material));
     if fitted.zeros > 0 {
         notes.push(FitNote::Zeros { values: fitted.zeros });
     }

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::basis::Basis;
 use crate::error::FitError;
+use crate::isotropic::IsotropicSettings;
 use crate::material::Material;
 use crate::method::Method;
 use crate::note::FitNote;
@@ -37,6 +38,10 @@ pub enum FactoredMethod {
         /// In order.
         projections: Vec<Projection>,
     },
+    /// Over pairs of angles, of isotropic materials.
+    Isotropic(IsotropicSettings),
+    /// These.
+    Coordinates(Vec<FactorSpec>),
     /// Those of a matrix that was inverted before, of samples at the same places.
     Preinverted(Box<Basis>),
 }
@@ -49,6 +54,8 @@ impl FactoredMethod {
             Self::McCool => Method::McCool,
             Self::Radial => Method::Radial,
             Self::Projections { .. } => Method::Projections,
+            Self::Isotropic(_) => Method::Isotropic,
+            Self::Coordinates(_) => Method::Coordinates,
             Self::Preinverted(_) => Method::Preinverted,
         }
     }
@@ -58,6 +65,7 @@ impl FactoredMethod {
         match self {
             Self::McCool => Some(FactorSpec::mccool(reciprocal)),
             Self::Radial => Some(FactorSpec::radial(reciprocal)),
+            Self::Coordinates(specs) => Some(specs.clone()),
             _ => None,
         }
     }
@@ -102,8 +110,13 @@ pub struct FactoredSettings {
     pub weight: Weight,
     /// Whether light and viewer share textures.
     pub reciprocity: Reciprocity,
+    /// Whether models are held at the largest fitted value of each channel.
+    pub clamp: bool,
     /// Direction pairs to draw; scattered rows come as they are.
     pub samples: u32,
+    /// Share of the pairs that is drawn around the mirror direction, [0, 1): half vectors within 25° of the normal, denser
+    /// towards it. The others are uniform on two parabolic discs. All count alike.
+    pub highlight: f64,
     /// Which scramble of the sample sequence.
     pub seed: u64,
     /// Copies of each sample, turned about the normal in equal steps: what isotropic materials are known to do. None
@@ -122,17 +135,23 @@ impl Default for FactoredSettings {
     }
 }
 
+/// Share of the pairs at the highlight that textures over angles are fitted to.
+const HIGHLIGHT_SHARE: f64 = 0.28;
+
 impl FactoredSettings {
     /// Returns the usual settings of a method.
     pub fn of(method: FactoredMethod) -> Self {
+        let is_isotropic = matches!(method, FactoredMethod::Isotropic(_));
         Self {
+            weight: if is_isotropic { Weight::Fidelity } else { Weight::Log },
+            highlight: if is_isotropic { HIGHLIGHT_SHARE } else { 0.0 },
             method,
             texture_size: None,
             bound: Bound::Disc,
             smoothing: 1e-4,
             log_transform: LogTransform::Offset,
-            weight: Weight::Log,
             reciprocity: Reciprocity::On,
+            clamp: true,
             samples: 45_000,
             seed: 1,
             replicate: None,
@@ -149,7 +168,7 @@ impl FactoredSettings {
         let is_lit_from_one_azimuth = SampleSet::has_one_light_azimuth;
         let replicate = match (self.replicate, &self.method) {
             (Some(copies), _) => copies,
-            (None, FactoredMethod::Radial) => 1,
+            (None, FactoredMethod::Radial | FactoredMethod::Isotropic(_)) => 1,
             (None, _) if material.samples().is_some_and(is_lit_from_one_azimuth) => 32,
             (None, _) => 1,
         };
@@ -157,24 +176,39 @@ impl FactoredSettings {
             FactoredMethod::Search(search) => Some(search),
             _ => None,
         };
+        // Textures over angles have sizes of their own; McCool's beside them get as many bytes.
+        let usual_size = match &self.method {
+            FactoredMethod::Isotropic(angles) => mccool_size(angles.bytes),
+            FactoredMethod::Search(_) => 24,
+            _ => 32,
+        };
         FitSettingsRecord {
             params: FactorParams {
-                texture_size: self.texture_size.unwrap_or(if search.is_some() { 24 } else { 32 }),
+                texture_size: self.texture_size.unwrap_or(usual_size),
                 bound: self.bound,
                 smoothing: self.smoothing,
                 log_map: self.log_transform,
                 weight: self.weight,
                 terms: search.map_or(TermSolve::All, SearchSettings::term_solve),
+                clamp: self.clamp,
                 theta_max: self.theta_max,
                 solver: None,
             },
             reciprocal: self.reciprocity != Reciprocity::Off,
             samples: self.samples,
+            highlight: self.highlight,
             seed: self.seed,
             replicate,
             search: search.map(SearchSettings::record),
         }
     }
+}
+
+/// Texels along a side of McCool's two textures of three channels, in so many bytes.
+pub(crate) fn mccool_size(bytes: usize) -> usize {
+    const TEXTURES: usize = 2;
+    const TEXEL_BYTES: usize = 12;
+    (bytes / (TEXEL_BYTES * TEXTURES)).isqrt().clamp(2, 64)
 }
 
 /// A factored model and how it was made: what a model file holds.
@@ -314,8 +348,13 @@ pub fn fit_factored(
     }
     let channels = settings.channels.unwrap_or(material.channels());
     let mut record = settings.record(material);
+    let searching = match settings.method {
+        FactoredMethod::Search(_) => 40.0,
+        FactoredMethod::Isotropic(_) => 20.0,
+        _ => 0.0,
+    };
     let [drawing, searching, fitting, measuring, baseline_job] =
-        job.split([1.0, if is_search { 40.0 } else { 0.0 }, 4.0, 4.0, 3.0]);
+        job.split([1.0, searching, 4.0, 4.0, 3.0]);
     drawing.begin("drawing samples", 1);
     let training = Training::new(material, channels, &record);
     if training.fitted.is_empty() {
@@ -332,7 +371,16 @@ pub fn fit_factored(
         }
         _ => None,
     };
-    let specs = specs_of(&settings.method, reciprocal[0], found.as_ref());
+    let mut tried = Vec::new();
+    let specs = match &settings.method {
+        FactoredMethod::Isotropic(angles) => {
+            let (specs, others) =
+                angles.choose(material, &training, channels, &record, &searching)?;
+            tried = others;
+            vec![specs]
+        }
+        method => specs_of(method, reciprocal[0], found.as_ref()),
+    };
     fitting.begin("fitting", 1);
     let fits = match &settings.method {
         FactoredMethod::Preinverted(basis) => {
@@ -399,7 +447,19 @@ pub fn fit_factored(
         notes: Vec::new(),
     };
     fit.notes = notes(&fit, material, found.as_ref());
+    if !tried.is_empty() {
+        fit.notes.push(FitNote::ChosenAngles { tried, on_rows: material.samples().is_some() });
+    }
+    if is_made_of_angles(fit.last()) {
+        fit.notes.extend(crate::compact::taken_isotropic(material));
+    }
     Ok(fit)
+}
+
+/// All coordinates are angles that a turn about the normal does not change.
+fn is_made_of_angles(fit: &Fit) -> bool {
+    let mut coordinates = fit.model.factors().iter().flat_map(|factor| factor.coordinates());
+    coordinates.all(|coordinate| matches!(coordinate, Coordinate::Isotropic { .. }))
 }
 
 /// The factors of each model.

@@ -30,6 +30,8 @@ mod error;
 mod factored;
 mod fit;
 mod fitted;
+mod isotropic;
+mod judge;
 mod lobes;
 mod material;
 mod measures;
@@ -58,6 +60,7 @@ pub use factored::{
 };
 pub use fit::{FitSettings, fit};
 pub use fitted::Fit;
+pub use isotropic::{IsotropicSettings, TriedPairs};
 pub use material::Material;
 pub use measures::{Measure, ModelMeasures, PictureMeasures};
 pub use method::{Method, SeparableMap, StrategyKind};

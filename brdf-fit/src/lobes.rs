@@ -6,7 +6,7 @@
 
 use brdf_factor::CholeskyFactor;
 use brdf_job::{Job, Stopped};
-use brdf_model::{Brdf as _, GgxLobe, GgxLobes, Rgb, SampleSet};
+use brdf_model::{Brdf as _, GgxLobe, GgxLobes, MeasuredValue, Rgb, SampleSet};
 use brdf_param::DirectionPair;
 use rayon::prelude::*;
 
@@ -127,19 +127,11 @@ impl LobeProblem {
             let cosine = self.pairs[index].wi.z;
             for c in 0..3 {
                 let (g, f, a) = (found[c], wanted[c], self.offsets[c]);
-                let residuals = [
-                    (g * cosine).ln_1p() - (f * cosine).ln_1p(),
-                    (g * cosine).cbrt() - (f * cosine).cbrt(),
-                    cosine.sqrt() * (g - f),
-                    ((a + g) / (a + f)).ln(),
-                ];
-                let root = (g * cosine).max(1e-12).cbrt();
-                let slopes = [
-                    cosine / (1.0 + g * cosine),
-                    cosine / (3.0 * root * root),
-                    cosine.sqrt(),
-                    1.0 / (a + g),
-                ];
+                let at = |value| MeasuredValue { value, cosine, offset: a };
+                let (measured, expected) = (at(g).measures(), at(f).measures());
+                let residuals = std::array::from_fn(|m| measured[m] - expected[m]);
+                // By the value itself.
+                let slopes = at(g).slopes().map(|slope| slope / (a + g));
                 visit(index, c, residuals, slopes, self.shares[index]);
             }
         }

@@ -17,6 +17,10 @@ pub enum Method {
     Radial,
     /// One texture for each of given projections.
     Projections,
+    /// One texture for each of some pairs of angles, isotropic.
+    Isotropic,
+    /// Textures over given coordinates.
+    Coordinates,
     /// With a matrix that was inverted before.
     Preinverted,
     /// Sum of products of splines, isotropic.
@@ -43,6 +47,8 @@ impl Method {
             Self::McCool => "mccool",
             Self::Radial => "radial",
             Self::Projections => "projections",
+            Self::Isotropic => "isotropic",
+            Self::Coordinates => "coordinates",
             Self::Preinverted => "preinverted",
             Self::Spline => "spline",
             Self::Ggx => "ggx",

@@ -3,6 +3,7 @@
 use brdf_job::StopCause;
 use brdf_param::Space;
 
+use crate::isotropic::TriedPairs;
 use crate::record::TriedModel;
 
 /// Something about a fit that its errors alone do not show. What could be done about it is for front ends to say,
@@ -55,6 +56,13 @@ pub enum FitNote {
     Chosen {
         /// Space, reciprocity, and mean square log error of each that was tried.
         tried: Vec<(Space, bool, f64)>,
+        /// Whether on a tenth of measured rows instead of drawn pairs.
+        on_rows: bool,
+    },
+    /// Pairs of angles and their spacing were chosen among several.
+    ChosenAngles {
+        /// All that were tried, in order.
+        tried: Vec<TriedPairs>,
         /// Whether on a tenth of measured rows instead of drawn pairs.
         on_rows: bool,
     },

@@ -13,7 +13,7 @@ use crate::method::{Method, StrategyKind};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactoredRecord {
-    /// `search`, `mccool`, `radial`, `projections` or `preinverted`.
+    /// `search`, `mccool`, `radial`, `projections`, `isotropic`, `coordinates` or `preinverted`.
     pub method: Method,
     /// What was fitted: a preset, or the name of a file without its folder.
     pub input: String,
@@ -39,6 +39,9 @@ pub struct FitSettingsRecord {
     pub reciprocal: bool,
     /// Pairs asked for; scattered rows come as they are.
     pub samples: u32,
+    /// Share of the pairs around the mirror direction.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub highlight: f64,
     /// Which scramble.
     pub seed: u64,
     /// Copies of each sample by rotation.
@@ -46,6 +49,10 @@ pub struct FitSettingsRecord {
     /// How projections were searched, if they were.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub search: Option<SearchSettingsRecord>,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Options that decide a search.

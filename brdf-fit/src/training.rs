@@ -70,7 +70,7 @@ impl Training {
             return Self { rows, fitted, held_out: HeldOut::Folds(folds) };
         }
         let sampling = PairSampling { count: settings.samples, seed: settings.seed, theta_max };
-        let rows = SampleSet::draw(material.brdf(), &sampling, channels);
+        let rows = mixed(material, channels, &sampling, settings.highlight);
         let rows = fit_for(settings.params.log_map, rows);
         let fitted = rows.replicated(settings.replicate, false);
         let seed = ScrambledSobol::held_out_seed(settings.seed);
@@ -132,6 +132,32 @@ impl Training {
             held_out,
         })
     }
+}
+
+/// Pairs of which a share lies around the mirror direction; the first part of them is uniform.
+fn mixed(
+    material: &Material<'_>,
+    channels: Channels,
+    sampling: &PairSampling,
+    highlight: f64,
+) -> SampleSet {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a share of a count, from 0 to the count"
+    )]
+    let around = (highlight.clamp(0.0, 1.0) * f64::from(sampling.count)) as u32;
+    let uniform = PairSampling { count: sampling.count - around, ..*sampling };
+    let mut rows = SampleSet::draw(material.brdf(), &uniform, channels);
+    if around > 0 {
+        // Some half vectors leave a direction beyond the limit, and are passed over.
+        let more = PairSampling { count: around.saturating_mul(4), ..*sampling };
+        let known = more.highlight_pairs().filter(|pair| material.brdf().has_data(pair));
+        for pair in known.take(around as usize) {
+            rows.push_clamped(&pair, material.brdf().eval_unclamped(&pair));
+        }
+    }
+    rows
 }
 
 /// [`HELD_OUT_PAIRS`] pairs of a scramble.

@@ -60,6 +60,44 @@ impl Fidelity {
     }
 }
 
+/// A reflectance as the four measures of [`FidelityErrors`] see it, in the order of its fields.
+///
+/// ```
+/// use brdf_model::MeasuredValue;
+///
+/// // A value of 2 sr⁻¹ under a cosine of ½, with an offset a of 0.1 sr⁻¹.
+/// let value = MeasuredValue { value: 2.0, cosine: 0.5, offset: 0.1 };
+/// assert!((value.measures()[0] - 2_f64.ln()).abs() < 1e-12);
+/// assert!((value.slopes()[0] - 0.5 * 2.1 / 2.0).abs() < 1e-12);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredValue {
+    /// f in sr⁻¹; negative ones count as 0.
+    pub value: f64,
+    /// c, the cosine of the angle of incidence.
+    pub cosine: f64,
+    /// a in sr⁻¹, above 0.
+    pub offset: f64,
+}
+
+impl MeasuredValue {
+    /// Returns ln(1 + f c), ∛(f c), √c f and ln(a + f).
+    #[inline]
+    pub fn measures(self) -> [f64; 4] {
+        let (f, c) = (self.value.max(0.0), self.cosine);
+        [(f * c).ln_1p(), (f * c).cbrt(), c.sqrt() * f, (self.offset + f).ln()]
+    }
+
+    /// Returns the derivatives of the measures by ln(a + f); that of the cube root, which is infinite at 0, as if f
+    /// were a + f.
+    #[inline]
+    pub fn slopes(self) -> [f64; 4] {
+        let (f, c) = (self.value.max(0.0), self.cosine);
+        let shifted = self.offset + f;
+        [c * shifted / (1.0 + c * f), (c * shifted).cbrt() / 3.0, c.sqrt() * shifted, 1.0]
+    }
+}
+
 impl FidelityErrors {
     /// Returns the four errors, in the order of the fields.
     pub fn all(&self) -> [f64; 4] {
@@ -79,16 +117,11 @@ impl FidelityErrors {
             let cosine = pair.wi.z;
             let values = reference.channels().into_iter().zip(model.channels()).zip(offsets);
             for ((f, g), a) in values {
-                let (f, g) = (f.max(0.0), g.max(0.0));
-                let differences = [
-                    (g * cosine).ln_1p() - (f * cosine).ln_1p(),
-                    (g * cosine).cbrt() - (f * cosine).cbrt(),
-                    cosine.sqrt() * (g - f),
-                    ((a + g) / (a + f)).ln(),
-                ];
-                for (sum, difference) in squares.iter_mut().zip(differences) {
-                    *sum += difference * difference;
+                let measures = |value| MeasuredValue { value, cosine, offset: a }.measures();
+                for ((sum, found), wanted) in squares.iter_mut().zip(measures(g)).zip(measures(f)) {
+                    *sum += (found - wanted) * (found - wanted);
                 }
+                let f = f.max(0.0);
                 energy += cosine * f * f;
             }
         }
@@ -122,12 +155,41 @@ impl FidelityPairs {
 
     /// Returns the errors of a model; pairs that the reference has no data for are left out.
     pub fn measure(&self, reference: &dyn Brdf, model: &dyn Brdf) -> Fidelity {
-        let [uniform, highlight] = [&self.uniform, &self.highlight].map(|pairs| {
+        FidelityReference::new(self, reference).measure(model)
+    }
+}
+
+/// A reference at the pairs of a [`Fidelity`], evaluated once for any number of models.
+#[derive(Clone, Debug)]
+pub struct FidelityReference {
+    uniform: ReferenceSet,
+    highlight: ReferenceSet,
+}
+
+#[derive(Clone, Debug)]
+struct ReferenceSet {
+    pairs: Vec<DirectionPair>,
+    values: Vec<Rgb>,
+}
+
+impl FidelityReference {
+    /// Returns the values of a reference; pairs that it has no data for are left out.
+    pub fn new(pairs: &FidelityPairs, reference: &dyn Brdf) -> Self {
+        let [uniform, highlight] = [&pairs.uniform, &pairs.highlight].map(|pairs| {
             let known: Vec<_> = pairs.iter().copied().filter(|p| reference.has_data(p)).collect();
-            let (mut expected, mut found) = (Vec::new(), Vec::new());
-            reference.eval_pairs(&known, &mut expected);
-            model.eval_pairs(&known, &mut found);
-            FidelityErrors::of(&known, &expected, &found)
+            let mut values = Vec::new();
+            reference.eval_pairs(&known, &mut values);
+            ReferenceSet { pairs: known, values }
+        });
+        Self { uniform, highlight }
+    }
+
+    /// Returns the errors of a model.
+    pub fn measure(&self, model: &dyn Brdf) -> Fidelity {
+        let [uniform, highlight] = [&self.uniform, &self.highlight].map(|set| {
+            let mut found = Vec::new();
+            model.eval_pairs(&set.pairs, &mut found);
+            FidelityErrors::of(&set.pairs, &set.values, &found)
         });
         Fidelity { uniform, highlight }
     }

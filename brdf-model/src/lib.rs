@@ -69,7 +69,9 @@ pub use distribution::{
     Distribution1D, LinearDistributions, linear_part, linear_segment, share_of,
 };
 pub use error::ModelError;
-pub use fidelity::{FIDELITY_PAIRS, Fidelity, FidelityErrors, FidelityPairs};
+pub use fidelity::{
+    FIDELITY_PAIRS, Fidelity, FidelityErrors, FidelityPairs, FidelityReference, MeasuredValue,
+};
 pub use fresnel::{Fresnel, conductor_reflectance, dielectric_reflectance};
 pub use interpolated_warp::{InterpolatedWarp, WarpShape};
 pub use luminance::Luminance;

@@ -1,6 +1,6 @@
 //! The folder of results of a product of textures.
 
-use brdf_factor::{ChannelTransform, Coordinate, Factor, FactoredBrdf};
+use brdf_factor::{Axis, ChannelTransform, Coordinate, Factor, FactoredBrdf, Spacing};
 use brdf_fit::{FactoredFit, FactoredModel, FactoredReport, Material, Method, TermRecord};
 use brdf_image::{encode_exr, encode_png};
 use brdf_model::{Brdf, Channels, ErrorMeasures, FitErrors};
@@ -99,7 +99,7 @@ fn factor_files(model: &FactoredBrdf) -> Result<Vec<[Vec<u8>; 2]>, ReportError> 
             .enumerate()
             .map(|(c, name)| (*name, factor.texels().iter().map(|t| t[c]).collect()))
             .collect();
-        let exr = encode_exr(factor.grid().size, factor.grid().rows(), &planes)?;
+        let exr = encode_exr(factor.grid().columns, factor.grid().rows, &planes)?;
         Ok([encode_png(&texture_view(factor, channels))?, exr])
     };
     model.factors().iter().map(file).collect()
@@ -262,6 +262,7 @@ fn in_words(coordinate: &Coordinate) -> Markup {
         Coordinate::RadialWi => "|wi⊥|",
         Coordinate::RadialWo => "|wo⊥|",
         Coordinate::RadialH => "|h⊥|",
+        Coordinate::Isotropic { axes, swapped } => return angles_in_words(axes, *swapped),
         Coordinate::Projected { space, projection } => {
             let rows =
                 projection.rows().map(|row| row.to_array().map(|v| format!("{v:+.3}")).join("  "));
@@ -273,6 +274,20 @@ fn in_words(coordinate: &Coordinate) -> Markup {
         }
     };
     html! { " · " (name) }
+}
+
+/// Two angles, and how texels are spaced along them unless evenly.
+fn angles_in_words(axes: &[Axis; 2], swapped: bool) -> Markup {
+    let words = axes.map(|Axis { angle, spacing }| {
+        let symbol = angle.symbol();
+        match spacing {
+            Spacing::Linear => symbol.to_owned(),
+            Spacing::Power { exponent } => format!("{symbol}, spaced by the power {exponent}"),
+            Spacing::Asinh { alpha } => format!("{symbol}, even up to {:.2}°", alpha.to_degrees()),
+        }
+    });
+    let of = if swapped { " of the swapped pair" } else { "" };
+    html! { " · " (words[0]) " × " (words[1]) (of) }
 }
 
 fn samples(report: &FactoredReport) -> Markup {
@@ -306,8 +321,9 @@ fn samples(report: &FactoredReport) -> Markup {
                 "Of " (report.evaluation.pairs) " pairs over both whole hemispheres, evaluation "
                 "pulls " (counts.pulled_back) " back to the grazing limit of "
                 (significant(report.evaluation.max_theta_deg)) "°, moves "
-                (counts.outside_texture) " to the rim of a texture and sets "
-                (counts.clamped_below_zero) " negative values to 0."
+                (counts.outside_texture) " to the rim of a texture, and sets "
+                (counts.clamped_below_zero) " negative values to 0 and "
+                (counts.clamped_at_ceiling) " to the largest fitted value."
             }
             @if !report.solve.converged {
                 li { "The solver stopped before it reached its tolerance." }

@@ -1,8 +1,8 @@
 //! Notes as sentences. What could be done about them is for front ends to add, who know what their options are called.
 
 use brdf_container::Evaluated;
-use brdf_factor::EvalCounts;
-use brdf_fit::FitNote;
+use brdf_factor::{EvalCounts, Spacing};
+use brdf_fit::{FitNote, TriedPairs};
 use brdf_paint::PaintNote;
 
 use crate::numbers::{bytes, percent, significant};
@@ -53,6 +53,25 @@ pub fn fit_note(note: &FitNote) -> String {
                 .collect();
             let on = if *on_rows { "a tenth of the rows, set aside" } else { "validation pairs" };
             format!("chosen by the log error on {on}: {}", tried.join(", "))
+        }
+        FitNote::ChosenAngles { tried, on_rows } => {
+            let tried: Vec<String> = tried
+                .iter()
+                .map(|TriedPairs { pairs, spacing, error }| {
+                    let spacing = match spacing {
+                        Spacing::Linear => "evenly spaced".to_owned(),
+                        Spacing::Power { exponent } => format!("spaced by the power {exponent}"),
+                        Spacing::Asinh { alpha } => format!("even up to {:.2}°", alpha.to_degrees()),
+                    };
+                    format!("{} {spacing} {}", pairs.name(), significant(*error))
+                })
+                .collect();
+            let on = if *on_rows {
+                "log and linear error on a tenth of the rows, set aside"
+            } else {
+                "the errors away from the highlight and in it, on validation pairs"
+            };
+            format!("angles and spacing of θh chosen by {on}: {}", tried.join(", "))
         }
         FitNote::SearchedWithAllRows => {
             "projections were searched with all rows, so the held-out errors are those of textures alone: a little too \
@@ -203,11 +222,12 @@ pub fn evaluation_notes(found: &Evaluated) -> Vec<String> {
     if let Some((counts, theta_max)) = found.factored
         && counts != EvalCounts::default()
     {
-        let EvalCounts { pulled_back, outside_texture, clamped_below_zero } = counts;
+        let EvalCounts { pulled_back, outside_texture, clamped_below_zero, clamped_at_ceiling } =
+            counts;
         notes.push(format!(
             "{pulled_back} rows beyond the model's grazing limit of {:.4}°, pulled back to it; \
              {outside_texture} moved to the rim of a texture; {clamped_below_zero} negative values set \
-             to 0",
+             to 0; {clamped_at_ceiling} set to the largest fitted value",
             theta_max.to_degrees()
         ));
     }

@@ -27,13 +27,14 @@ pub fn texture_view(factor: &Factor, channels: Channels) -> DisplayImage {
         .filter(|&texel| mask[texel])
         .map(value)
         .fold(Rgb::splat(f64::MIN_POSITIVE), |best, v| best.zip(v, f64::max));
-    let zoom = (SIDE / grid.size).max(1);
-    let height = if grid.dimensions == 1 { 32 } else { grid.size * zoom };
-    let mut picture = DisplayImage::filled(grid.size * zoom, height, MASKED_OUT);
+    let (columns, rows) = (grid.columns, grid.rows);
+    let zoom = (SIDE / columns.max(rows)).max(1);
+    let height = if rows == 1 { 32 } else { rows * zoom };
+    let mut picture = DisplayImage::filled(columns * zoom, height, MASKED_OUT);
     for row in 0..height {
-        let v = if grid.dimensions == 1 { 0 } else { grid.size - 1 - row / zoom };
-        for column in 0..grid.size * zoom {
-            let texel = v * grid.size + column / zoom;
+        let v = if rows == 1 { 0 } else { rows - 1 - row / zoom };
+        for column in 0..columns * zoom {
+            let texel = v * columns + column / zoom;
             if mask[texel] {
                 picture.set(column, row, srgb_bytes(value(texel).zip(white, |v, w| v / w)));
             }

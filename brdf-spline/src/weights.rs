@@ -1,5 +1,6 @@
 //! How much a residual of logarithms counts at each node: as much as the measures of a fit say.
 
+use brdf_model::MeasuredValue;
 use rayon::prelude::*;
 
 use crate::nodes::{Node, Nodes};
@@ -19,17 +20,9 @@ pub(crate) struct Weights {
     slopes: Vec<[f64; MEASURES]>,
 }
 
-/// A value under the four measures of [`brdf_model::FidelityErrors`].
-fn measures(node: &Node, value: f64, offset: f64) -> [f64; MEASURES] {
-    let lit = node.cosine * value.max(0.0);
-    let shifted = (offset + value.max(0.0)).ln();
-    [lit.ln_1p(), lit.cbrt(), node.cosine.sqrt() * value, shifted]
-}
-
-/// Derivatives of the measures by y = ln(a + f).
-fn slopes(node: &Node, value: f64, offset: f64) -> [f64; MEASURES] {
-    let (a, c) = (offset + value, node.cosine);
-    [c * a / (1.0 + c * value), (c * a).cbrt() / 3.0, c.sqrt() * a, 1.0]
+/// A value at a node, for the measures of [`brdf_model::FidelityErrors`].
+fn at(node: &Node, value: f64, offset: f64) -> MeasuredValue {
+    MeasuredValue { value, cosine: node.cosine, offset }
 }
 
 impl Weights {
@@ -38,9 +31,9 @@ impl Weights {
         let of = |node: &Node| {
             let (mut wanted, mut squares) = ([[0.0; MEASURES]; 3], [0.0; MEASURES]);
             for c in 0..channels {
-                wanted[c] = measures(node, node.value[c], offsets[c]);
-                let slopes = slopes(node, node.value[c], offsets[c]);
-                for (sum, slope) in squares.iter_mut().zip(slopes) {
+                let value = at(node, node.value[c], offsets[c]);
+                wanted[c] = value.measures();
+                for (sum, slope) in squares.iter_mut().zip(value.slopes()) {
                     *sum += slope * slope / channels as f64;
                 }
             }
@@ -99,7 +92,7 @@ impl Weights {
             return;
         }
         for ((y, wanted), offset) in y.iter().zip(wanted).zip(self.offsets) {
-            let found = measures(node, y.exp() - offset, offset);
+            let found = at(node, y.exp() - offset, offset).measures();
             for m in 0..MEASURES {
                 let square = (found[m] - wanted[m]) * (found[m] - wanted[m]);
                 for (sums, share) in sums.iter_mut().zip(node.shares) {

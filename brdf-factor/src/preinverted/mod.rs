@@ -353,8 +353,10 @@ impl Preinverted {
             problem.values().iter().map(|values| problem.in_given_order(values)).collect();
         let mut workspace = self.workspace(values.len());
         self.solve(&values, problem.maps(), &mut workspace);
+        let model = self.model(&workspace, problem.maps())?.into_angular();
+        let clamp = problem.params().clamp;
         Ok(Fit {
-            model: self.model(&workspace, problem.maps())?.into_angular(),
+            model: if clamp { model.with_ceilings(problem.largest_values())? } else { model },
             samples_used: problem.len(),
             dropped: problem.dropped(),
             clamped: problem.clamped(),

@@ -1,16 +1,19 @@
-//! `brdf factor --method auto | spline | ggx`: the best model of a size, and compact models of isotropic materials.
+//! `brdf factor --method auto | spline | ggx | isotropic`: the best model of a size, and models of isotropic materials.
 
-use brdf_fit::{Aim, AutoSettings, CompactMethod, CompactSettings, FactoredSettings};
+use brdf_factor::Spacing;
+use brdf_fit::{
+    Aim, AutoSettings, CompactMethod, CompactSettings, FactoredSettings, IsotropicSettings,
+};
 
 use super::Factor;
 use crate::args::{first_given, memory, positive, usage};
-use crate::choices::{LogMapArg, MethodArg};
+use crate::choices::{AnglesArg, LogMapArg, MethodArg};
 
 /// How compact models are made.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Size (--method auto, spline, ggx)")]
+#[command(next_help_heading = "Size (--method auto, spline, ggx, isotropic)")]
 pub(super) struct CompactArgs {
-    /// Most bytes of the model, such as 2.7k, 8k or 32k [default: 8k]
+    /// Most bytes of the model, such as 2.7k, 8k or 32k [default: 8k; 33k for --method isotropic]
     #[arg(long, value_name = "BYTES", value_parser = memory)]
     bytes: Option<usize>,
 
@@ -22,6 +25,15 @@ pub(super) struct CompactArgs {
     /// GGX lobes [default: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
     pub(super) lobes: Option<u8>,
+
+    /// For --method isotropic: pairs of angles [default: those that suit best]
+    #[arg(long, value_enum)]
+    angles: Option<AnglesArg>,
+
+    /// For --method isotropic: texels along θh at (θh/θmax)^P; 1 is even, less crowds at the highlight [default: 1 or
+    /// .5, what suits better]
+    #[arg(long, value_name = "P", value_parser = positive)]
+    spacing: Option<f64>,
 }
 
 impl CompactArgs {
@@ -32,6 +44,24 @@ impl CompactArgs {
             (self.error.is_some(), "--error"),
             (self.lobes.is_some(), "--lobes"),
         ])
+        .or_else(|| self.angle_option_given())
+    }
+
+    /// The first option of textures over angles that was given, if any.
+    pub(super) fn angle_option_given(&self) -> Option<&'static str> {
+        first_given(&[(self.angles.is_some(), "--angles"), (self.spacing.is_some(), "--spacing")])
+    }
+
+    /// How textures over angles are made.
+    pub(super) fn isotropic_settings(&self) -> anyhow::Result<IsotropicSettings> {
+        if self.error.is_some() || self.lobes.is_some() {
+            return Err(usage("--error is for --method auto, --lobes for --method ggx"));
+        }
+        Ok(IsotropicSettings {
+            pairs: self.angles.map(Into::into),
+            spacing: self.spacing.map(|exponent| Spacing::Power { exponent }),
+            bytes: self.bytes.unwrap_or(IsotropicSettings::default().bytes),
+        })
     }
 }
 
@@ -63,6 +93,7 @@ impl Factor {
             (self.texture_size.is_some(), "--texture-size"),
         ];
         let given = first_given(&others)
+            .or_else(|| self.compact.angle_option_given())
             .or_else(|| self.texture_option_given())
             .or_else(|| self.separable.given())
             .or_else(|| self.search.given());

@@ -24,15 +24,15 @@ use self::plan::SearchArgs;
 use self::preinvert::PreinvertArgs;
 use self::separable::SeparableArgs;
 use crate::advice::fit_notes;
-use crate::args::{PairArgs, ReadArgs, not_negative};
+use crate::args::{PairArgs, ReadArgs, not_negative, share};
 use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
 use crate::outputs::{FolderArgs, command_line, write_all};
 use crate::progress::Watch;
 
 /// Make a small model of a BRDF, say how good it is, and show it
 ///
-/// Without --method an isotropic material becomes the best model of 8 kB (--bytes): splines, GGX lobes or
-/// McCool's textures. An anisotropic one is searched for the projections π_j under which
+/// Without --method an isotropic material becomes the best model of 8 kB (--bytes): splines, GGX lobes, or
+/// textures over pairs of angles or McCool's. An anisotropic one is searched for the projections π_j under which
 /// log f(wi, wo) = Σ log p_j(π_j(wi, wo)) fits best, with textures p_j by least squares. What is written is one
 /// folder: model.safetensors, spheres.png (reference, approximation, difference ×4), report.html and
 /// report.json; of textures also each as EXR (log values, exact) and PNG (to look at). Ctrl-C ends a search
@@ -46,6 +46,7 @@ use crate::progress::Watch;
 ///   brdf factor silk.binary --terms 3 --space half-difference --texture-size 32
 ///   brdf factor --from garnet/model.safetensors --keep 2 -o small
 ///   brdf factor preset:ggx --method mccool         two textures over fixed coordinates, at once
+///   brdf factor silk.binary --method isotropic     textures over pairs of angles: exactly isotropic, for shaders
 ///   brdf factor preset:ggx --method projections --projections planes.toml --space half-difference
 ///   brdf factor preset:plastic --method eigen --rank 16       sums of products, for relighting
 ///   brdf factor silk.binary --method mccool --preinvert basis.safetensors     keep the inverse
@@ -69,6 +70,11 @@ pub(super) struct Factor {
     /// `projections = [[[1,0,1,0],[0,1,0,1]], [[1,0,0,0],[0,1,0,0]]]`
     #[arg(long, value_name = "FILE")]
     projections: Option<PathBuf>,
+
+    /// For --method coordinates: JSON or TOML with `factors`, each with the `coordinates` that read its texture and, if
+    /// it likes, the `grid` of it; docs/model-file.md names them
+    #[arg(long, value_name = "FILE")]
+    coordinates: Option<PathBuf>,
 
     /// Space that projections act on [default: auto for --method search, else standard]
     #[arg(long, value_enum)]
@@ -95,9 +101,17 @@ pub(super) struct Factor {
     #[arg(long, value_enum, default_value_t = LogMapArg::Offset)]
     log_map: LogMapArg,
 
-    /// How a sample's squared log error is weighted
-    #[arg(long, value_enum, default_value_t = WeightArg::Log)]
-    weight: WeightArg,
+    /// How a sample's squared log error is weighted [default: fidelity for --method isotropic, else log]
+    #[arg(long, value_enum)]
+    weight: Option<WeightArg>,
+
+    /// Share of the pairs drawn around the mirror direction, 0 to .9 [default: .28 for --method isotropic, else 0]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    highlight: Option<f64>,
+
+    /// Let models be brighter than the largest fitted value
+    #[arg(long)]
+    no_ceiling: bool,
 
     /// Whether light and viewer share textures, so that exchanging them changes nothing
     #[arg(long, value_enum, default_value_t = ReciprocityArg::On)]
@@ -211,6 +225,8 @@ impl Factor {
             || self.preinvert.is_given();
         match self.method {
             Some(method) => method,
+            None if self.coordinates.is_some() => MethodArg::Coordinates,
+            None if self.compact.angle_option_given().is_some() => MethodArg::Isotropic,
             None if is_of_textures => MethodArg::Search,
             None if self.compact.lobes.is_some() => MethodArg::Ggx,
             None => MethodArg::Auto,
@@ -223,19 +239,22 @@ impl Factor {
             Some(basis) => brdf_fit::FactoredMethod::Preinverted(Box::new(basis)),
             None => self.plan()?,
         };
+        let usual = FactoredSettings::of(method);
         Ok(FactoredSettings {
-            method,
             texture_size: self.texture_size.map(|size| size as usize),
             bound: self.bound.into(),
             smoothing: self.smoothing,
             log_transform: self.log_map.homomorphic().unwrap_or_default(),
-            weight: self.weight.into(),
+            weight: self.weight.map_or(usual.weight, Into::into),
+            highlight: self.highlight.unwrap_or(usual.highlight),
+            clamp: !self.no_ceiling,
             reciprocity: self.reciprocal.into(),
             samples: self.samples,
             seed: self.seed,
             replicate: self.replicate,
             theta_max: self.pairs.theta_max(),
             channels: self.pairs.channels(),
+            ..usual
         })
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use brdf_container::{ProjectionFile, read_projection_source};
+use brdf_container::{ProjectionFile, read_coordinates, read_projection_source};
 use brdf_files::{FileError, MappedFile};
 use brdf_fit::{FactoredMethod, SearchSettings, Strategy};
 use brdf_param::{Projection, Space};
@@ -78,8 +78,11 @@ impl Factor {
                 "{option} is for --method svd, log-svd, eigen, nmf or normalized, not {name}"
             )));
         }
-        if let Some(option) = self.compact.given() {
-            return Err(usage(format!("{option} is for --method auto, spline or ggx, not {name}")));
+        let is_isotropic = self.method() == MethodArg::Isotropic;
+        if let Some(option) = self.compact.given().filter(|_| !is_isotropic) {
+            return Err(usage(format!(
+                "{option} is for --method auto, spline, ggx or isotropic, not {name}"
+            )));
         }
         if self.log_map.homomorphic().is_none() {
             return Err(usage(format!("--log-map cosine is for --method log-svd, not {name}")));
@@ -99,6 +102,9 @@ impl Factor {
             return Err(usage(
                 "--projections is for --method projections (--start begins a search)",
             ));
+        }
+        if self.method() != MethodArg::Coordinates && self.coordinates.is_some() {
+            return Err(usage("--coordinates is for --method coordinates"));
         }
         if self.method() == MethodArg::Search {
             return Ok(FactoredMethod::Search(self.search_settings()?));
@@ -121,6 +127,22 @@ impl Factor {
         }
         Ok(match self.method() {
             MethodArg::Radial => FactoredMethod::Radial,
+            MethodArg::Isotropic => {
+                if self.texture_size.is_some() {
+                    return Err(usage(
+                        "--texture-size is for square textures; here --bytes says how large",
+                    ));
+                }
+                FactoredMethod::Isotropic(self.compact.isotropic_settings()?)
+            }
+            MethodArg::Coordinates => {
+                let Some(path) = &self.coordinates else {
+                    return Err(usage("--method coordinates needs --coordinates FILE"));
+                };
+                let bytes = MappedFile::open(path)?;
+                let specs = read_coordinates(&String::from_utf8_lossy(&bytes));
+                FactoredMethod::Coordinates(specs.map_err(FileError::content(path))?)
+            }
             MethodArg::Projections => {
                 let Some(path) = &self.projections else {
                     return Err(usage("--method projections needs --projections FILE"));

@@ -8,7 +8,7 @@ use brdf_param::Parametrization;
 use super::Factor;
 use crate::args::{first_given, memory, usage, within};
 use crate::choices::{
-    BoundArg, EigenSolverArg, FillArg, LogMapArg, MapArg, MethodArg, ReciprocityArg, WeightArg,
+    BoundArg, EigenSolverArg, FillArg, LogMapArg, MapArg, MethodArg, ReciprocityArg,
 };
 
 /// How sums of products are made.
@@ -137,7 +137,9 @@ impl Factor {
             (self.samples != 45_000, "--samples"),
             (self.smoothing.to_bits() != 1e-4_f64.to_bits(), "--smoothing"),
             (self.bound != BoundArg::Disc, "--bound"),
-            (self.weight != WeightArg::Log, "--weight"),
+            (self.weight.is_some(), "--weight"),
+            (self.highlight.is_some(), "--highlight"),
+            (self.no_ceiling, "--no-ceiling"),
             (self.reciprocal != ReciprocityArg::On, "--reciprocal"),
             (self.replicate.is_some(), "--replicate"),
         ])
