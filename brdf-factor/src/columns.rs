@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use crate::coordinate::Reading;
+use crate::coordinate::{Reading, locate_angles};
 use crate::grid::cell;
 use crate::{Coordinate, Factor, FactorDescription, Grid, Problem};
 
@@ -461,13 +461,15 @@ fn taps(
                 })
                 .collect()
         }
-        Reading::Isotropic { .. } => problem
-            .pairs()
-            .map(|pair| {
-                let place = coordinate.locate(&pair, factor.extent());
-                planar(grid.place(0.5 * (place + 1.0)))
-            })
-            .collect(),
+        Reading::Isotropic { axes, swapped } => {
+            let angles = problem.angles().iter();
+            angles
+                .map(|&angles| {
+                    let place = locate_angles(&axes, swapped, angles, factor.extent());
+                    planar(grid.place(0.5 * (place + 1.0)))
+                })
+                .collect()
+        }
         Reading::Radial(_) => problem
             .pairs()
             .map(|pair| {

@@ -140,7 +140,7 @@ impl Coordinate {
         }
     }
 
-    /// The largest radius that pairs give a radial coordinate, or the largest angles of an isotropic one.
+    /// The largest radius that pairs give a radial coordinate.
     pub(crate) fn largest_radii(&self, pairs: impl Iterator<Item = DirectionPair>) -> DiscRadii {
         match self.reading() {
             Reading::Planar(_) => DiscRadii::UNIT,
@@ -148,16 +148,18 @@ impl Coordinate {
                 let radius = pairs.map(|pair| radial.value(&pair)).fold(0.0, f64::max);
                 DiscRadii { first: radius, second: radius }
             }
-            Reading::Isotropic { axes, .. } => {
-                let none = DiscRadii { first: 0.0, second: 0.0 };
-                // Of the swapped pair too, so that the coordinate and its conjugate share a scale.
-                pairs.flat_map(|pair| [pair, pair.swapped()]).fold(none, |largest, pair| {
-                    let angles = Angles::from_pair(&pair);
-                    let [first, second] = axes.map(|axis| angles.get(axis.angle).abs());
-                    largest.max(DiscRadii { first, second })
-                })
-            }
+            Reading::Isotropic { .. } => DiscRadii::UNIT,
         }
+    }
+
+    /// The largest angles that pairs, or the same swapped, give an isotropic coordinate; so it shares a scale with its
+    /// conjugate.
+    pub(crate) fn largest_angles(axes: &[Axis; 2], angles: &[Angles]) -> DiscRadii {
+        let none = DiscRadii { first: 0.0, second: 0.0 };
+        angles.iter().flat_map(|&at| [at, at.swapped()]).fold(none, |largest, at| {
+            let [first, second] = axes.map(|axis| at.get(axis.angle).abs());
+            largest.max(DiscRadii { first, second })
+        })
     }
 
     /// Half the extent of the coordinate's image, by which it is divided; largest angles of an isotropic one.
@@ -207,9 +209,8 @@ impl Coordinate {
             Reading::Planar(plane @ Plane { fixed: Some(half), .. }) => {
                 plane.half_point(half, pair) / extent
             }
-            Reading::Isotropic { axes: [x, y], swapped } => {
-                let angles = Angles::from_pair(&if swapped { pair.swapped() } else { *pair });
-                DVec2::new(x.locate(&angles, extent.x), y.locate(&angles, extent.y))
+            Reading::Isotropic { axes, swapped } => {
+                locate_angles(&axes, swapped, Angles::from_pair(pair), extent)
             }
         }
     }
@@ -221,6 +222,17 @@ impl Coordinate {
             _ => Vec::new(),
         }
     }
+}
+
+/// Texture coordinates of an isotropic coordinate, [−1, 1]².
+pub(crate) fn locate_angles(
+    [x, y]: &[Axis; 2],
+    swapped: bool,
+    angles: Angles,
+    extent: DVec2,
+) -> DVec2 {
+    let angles = if swapped { angles.swapped() } else { angles };
+    DVec2::new(x.locate(&angles, extent.x), y.locate(&angles, extent.y))
 }
 
 impl Plane {

@@ -62,8 +62,16 @@ pub fn factorize(
     specs: &[FactorSpec],
     params: &FactorParams,
 ) -> Result<Fit, FactorError> {
-    let problem = Problem::new(samples, params)?;
-    solve(&problem, &[], empty_factors(&problem, specs)?)
+    factorize_problem(&Problem::new(samples, params)?, specs)
+}
+
+/// Returns what [`factorize`] returns, of samples that were made ready before.
+///
+/// # Errors
+///
+/// As [`factorize`].
+pub fn factorize_problem(problem: &Problem, specs: &[FactorSpec]) -> Result<Fit, FactorError> {
+    solve(problem, &[], empty_factors(problem, specs)?)
 }
 
 /// Returns the fits of the first factor alone, of the first two factors, and so on; entry k has k + 1

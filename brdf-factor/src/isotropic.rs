@@ -86,6 +86,8 @@ pub(crate) struct Angles {
     theta_d: f64,
     /// (−π, π].
     phi_d: f64,
+    /// φd is more than a convention.
+    has_azimuth: bool,
     theta_i: f64,
     theta_o: f64,
     delta_phi: f64,
@@ -237,7 +239,8 @@ impl Angles {
         let (across, length) = (h.truncate().length(), h.length());
         // |h| = 2 cos θd and |d| = 2 sin θd; h and d are perpendicular.
         let (theta_h, theta_d) = (across.atan2(h.z), d.length().atan2(length));
-        let phi_d = if across > NO_AZIMUTH * length && d.length() > NO_AZIMUTH * length {
+        let has_azimuth = across > NO_AZIMUTH * length && d.length() > NO_AZIMUTH * length;
+        let phi_d = if has_azimuth {
             let along = h.truncate().dot(d.truncate()) / across * h.z - d.z * across;
             let beside = h.truncate().perp_dot(d.truncate()) / across * length;
             beside.atan2(along)
@@ -254,10 +257,19 @@ impl Angles {
             theta_h,
             theta_d,
             phi_d,
+            has_azimuth,
             theta_i: i.length().atan2(pair.wi.z),
             theta_o: o.length().atan2(pair.wo.z),
             delta_phi,
         }
+    }
+
+    /// The angles of the swapped pair.
+    pub(crate) fn swapped(self) -> Self {
+        let phi_d = if self.phi_d > 0.0 { self.phi_d - PI } else { self.phi_d + PI };
+        // Where φd is undefined it is 0 for both.
+        let phi_d = if self.has_azimuth { phi_d } else { 0.0 };
+        Self { phi_d, theta_i: self.theta_o, theta_o: self.theta_i, ..self }
     }
 
     pub(crate) fn get(&self, angle: Angle) -> f64 {

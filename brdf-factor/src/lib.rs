@@ -60,7 +60,7 @@ pub use columns::Columns;
 pub use coordinate::{Coordinate, FactorSpec};
 pub use error::FactorError;
 pub use factored::{EvalCounts, Factor, FactorDescription, FactoredBrdf};
-pub use factorization::{Fit, factorize, factorize_terms};
+pub use factorization::{Fit, factorize, factorize_problem, factorize_terms};
 pub use grid::Grid;
 pub use isotropic::{Angle, Axis, Spacing};
 pub use isotropic_pairs::IsotropicPairs;

@@ -8,8 +8,9 @@ use brdf_param::{DirectionPair, DiscRadii, Space, polar_angle};
 use glam::DVec3;
 
 use crate::coordinate::Reading;
+use crate::isotropic::Angles;
 use crate::{
-    ChannelTransform, Factor, FactorDescription, FactorError, FactorParams, FactorSpec,
+    ChannelTransform, Coordinate, Factor, FactorDescription, FactorError, FactorParams, FactorSpec,
     LogTransform, Weight,
 };
 
@@ -29,6 +30,7 @@ pub struct Problem {
     targets: Vec<Vec<f64>>,
     theta_max: f64,
     spaces: [OnceLock<SpacePoints>; 2],
+    angles: OnceLock<Vec<Angles>>,
 }
 
 /// The coordinates of all samples in a space.
@@ -86,7 +88,8 @@ impl Problem {
             .map(|(map, values)| values.iter().map(|&f| map.forward(f)).collect())
             .collect();
         let spaces = [OnceLock::new(), OnceLock::new()];
-        Self { params, samples, origin, maps, weights, targets, theta_max, spaces }
+        let angles = OnceLock::new();
+        Self { params, samples, origin, maps, weights, targets, theta_max, spaces, angles }
     }
 
     /// Returns the problem over the first `count` of its samples, in the order in which they were given.
@@ -237,7 +240,8 @@ impl Problem {
             .iter()
             .map(|coordinate| match coordinate.reading() {
                 Reading::Planar(plane) => plane.radii(self.space(plane.space).radii),
-                _ => coordinate.largest_radii(self.samples.pairs()),
+                Reading::Isotropic { axes, .. } => Coordinate::largest_angles(&axes, self.angles()),
+                Reading::Radial(_) => coordinate.largest_radii(self.samples.pairs()),
             })
             .fold(none, DiscRadii::max);
         let radii = DiscRadii {
@@ -248,6 +252,12 @@ impl Problem {
             FactorDescription::new(&spec.coordinates, spec.grid(size), self.params.bound, radii)?,
             None,
         )
+    }
+
+    /// The angles of all samples.
+    pub(crate) fn angles(&self) -> &[Angles] {
+        let all = || self.samples.pairs().map(|pair| Angles::from_pair(&pair)).collect();
+        self.angles.get_or_init(all)
     }
 
     fn space(&self, space: Space) -> &SpacePoints {

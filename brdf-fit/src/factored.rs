@@ -143,16 +143,17 @@ impl FactoredSettings {
     pub fn of(method: FactoredMethod) -> Self {
         let is_isotropic = matches!(method, FactoredMethod::Isotropic(_));
         Self {
-            weight: if is_isotropic { Weight::Fidelity } else { Weight::Log },
-            highlight: if is_isotropic { HIGHLIGHT_SHARE } else { 0.0 },
             method,
             texture_size: None,
             bound: Bound::Disc,
             smoothing: 1e-4,
             log_transform: LogTransform::Offset,
+            weight: if is_isotropic { Weight::Fidelity } else { Weight::Log },
             reciprocity: Reciprocity::On,
             clamp: true,
-            samples: 45_000,
+            // Between the texels of twice as many pairs less is left to smoothing.
+            samples: if is_isotropic { 90_000 } else { 45_000 },
+            highlight: if is_isotropic { HIGHLIGHT_SHARE } else { 0.0 },
             seed: 1,
             replicate: None,
             theta_max: 80_f64.to_radians(),

@@ -1,8 +1,9 @@
 //! Which pairs of angles an isotropic material gets textures over, and how their texels are spaced.
 
-use brdf_factor::{FactorError, FactorParams, FactorSpec, IsotropicPairs, Spacing, factorize};
+use brdf_factor::{FactorError, FactorSpec, IsotropicPairs, Problem, Spacing, factorize_problem};
 use brdf_job::Job;
-use brdf_model::Channels;
+use brdf_model::{Channels, SampleSet};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::FitError;
@@ -26,9 +27,9 @@ pub struct IsotropicSettings {
 }
 
 impl Default for IsotropicSettings {
-    /// The best choice of at most 33 kB.
+    /// The best choice of at most 33.75 KiB, as much as five square textures of 24² take.
     fn default() -> Self {
-        Self { pairs: None, spacing: None, bytes: 33_000 }
+        Self { pairs: None, spacing: None, bytes: 34_560 }
     }
 }
 
@@ -47,7 +48,8 @@ pub struct TriedPairs {
 
 impl IsotropicSettings {
     /// Spacings that are tried: even, and crowded at the mirror direction.
-    const SPACINGS: [Spacing; 2] = [Spacing::Linear, Spacing::Power { exponent: 0.5 }];
+    const SPACINGS: [Spacing; 3] =
+        [Spacing::Linear, Spacing::Power { exponent: 0.75 }, Spacing::Power { exponent: 0.5 }];
 
     /// The factors of a choice.
     fn specs(
@@ -83,54 +85,62 @@ impl IsotropicSettings {
         if let [only] = choices[..] {
             return Ok((specs(only), Vec::new()));
         }
-        let trial = Trial::new(material, training, channels, record);
+        let trial = Trial::new(material, training, channels, record)?;
         job.begin("choosing angles", choices.len() as u64);
-        let mut tried = Vec::new();
-        for &choice in &choices {
-            if !tried.is_empty() && job.is_stopped() {
-                break;
-            }
-            let (pairs, spacing) = choice;
-            let error = trial.error(&specs(choice), &record.params)?;
-            tried.push(TriedPairs { pairs, spacing, error });
-            job.advance(1);
-        }
+        let tried: Vec<TriedPairs> = choices
+            .par_iter()
+            .map(|&choice| {
+                job.check()?;
+                let (pairs, spacing) = choice;
+                let error = trial.error(&specs(choice))?;
+                job.advance(1);
+                Ok(TriedPairs { pairs, spacing, error })
+            })
+            .collect::<Result<_, FitError>>()?;
         let best = tried.iter().min_by(|a, b| a.error.total_cmp(&b.error));
         let best = best.map_or(choices[0], |best| (best.pairs, best.spacing));
         Ok((specs(best), tried))
     }
 }
 
+/// Pairs that trials are fitted to at most.
+const TRIAL_PAIRS: usize = 30_000;
+
 /// What is fitted and what is compared, to choose by.
-enum Trial<'a> {
-    Drawn(&'a Training, Judge),
-    Rows(crate::training::Choice),
+enum Trial {
+    Drawn { problem: Problem, judge: Judge },
+    Rows { problem: Problem, fitted: SampleSet, unseen: SampleSet },
 }
 
-impl<'a> Trial<'a> {
+impl Trial {
     fn new(
         material: &Material<'_>,
-        training: &'a Training,
+        training: &Training,
         channels: Channels,
         record: &FitSettingsRecord,
-    ) -> Self {
-        if material.samples().is_some() {
-            let samples = training.for_search(material, channels, record, 2);
-            if let Some(choice) = samples.choice {
-                return Self::Rows(choice);
-            }
+    ) -> Result<Self, FactorError> {
+        if material.samples().is_some()
+            && let Some(choice) = training.for_search(material, channels, record, 2).choice
+        {
+            let problem = Problem::new(&choice.fitted, &record.params)?;
+            return Ok(Self::Rows { problem, fitted: choice.fitted, unseen: choice.unseen });
         }
-        Self::Drawn(training, Judge::new(material, channels, record.seed, record.params.theta_max))
+        // Spread over uniform pairs and those at the highlight alike.
+        let every = training.fitted.len().div_ceil(TRIAL_PAIRS).max(1);
+        let kept: Vec<usize> = (0..training.fitted.len()).step_by(every).collect();
+        Ok(Self::Drawn {
+            problem: Problem::new(&training.fitted.select(&kept), &record.params)?,
+            judge: Judge::new(material, channels, record.seed, record.params.theta_max),
+        })
     }
 
-    fn error(&self, specs: &[FactorSpec], params: &FactorParams) -> Result<f64, FactorError> {
+    fn error(&self, specs: &[FactorSpec]) -> Result<f64, FactorError> {
         Ok(match self {
-            Self::Drawn(training, judge) => {
-                judge.error(&factorize(&training.fitted, specs, params)?.model)
+            Self::Drawn { problem, judge } => {
+                judge.error(&factorize_problem(problem, specs)?.model)
             }
-            Self::Rows(choice) => {
-                let model = factorize(&choice.fitted, specs, params)?.model;
-                error_on(&choice.unseen, &choice.fitted, &model)
+            Self::Rows { problem, fitted, unseen } => {
+                error_on(unseen, fitted, &factorize_problem(problem, specs)?.model)
             }
         })
     }

@@ -13,7 +13,7 @@ use crate::choices::{AnglesArg, LogMapArg, MethodArg};
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Size (--method auto, spline, ggx, isotropic)")]
 pub(super) struct CompactArgs {
-    /// Most bytes of the model, such as 2.7k, 8k or 32k [default: 8k; 33k for --method isotropic]
+    /// Most bytes of the model, such as 2.7k, 8k or 32k [default: 8k; 33.75k for --method isotropic]
     #[arg(long, value_name = "BYTES", value_parser = memory)]
     bytes: Option<usize>,
 

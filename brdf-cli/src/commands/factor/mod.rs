@@ -85,9 +85,10 @@ pub(super) struct Factor {
     #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(2..=1024))]
     texture_size: Option<u32>,
 
-    /// Direction pairs to draw and fit; scattered measurements give their own rows
-    #[arg(long, default_value_t = 45_000, value_parser = clap::value_parser!(u32).range(1..))]
-    samples: u32,
+    /// Direction pairs to draw and fit; scattered measurements give their own rows [default: 45000; 90000 for --method
+    /// isotropic]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    samples: Option<u32>,
 
     /// Smoothing μ: weight of each texel's Laplacian, relative to the samples
     #[arg(long, value_name = "MU", default_value_t = 1e-4, value_parser = not_negative, allow_hyphen_values = true)]
@@ -249,7 +250,7 @@ impl Factor {
             highlight: self.highlight.unwrap_or(usual.highlight),
             clamp: !self.no_ceiling,
             reciprocity: self.reciprocal.into(),
-            samples: self.samples,
+            samples: self.samples.unwrap_or(usual.samples),
             seed: self.seed,
             replicate: self.replicate,
             theta_max: self.pairs.theta_max(),

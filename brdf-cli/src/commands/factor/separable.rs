@@ -134,7 +134,7 @@ impl Factor {
     pub(super) fn texture_option_given(&self) -> Option<&'static str> {
         first_given(&[
             (self.projections.is_some(), "--projections"),
-            (self.samples != 45_000, "--samples"),
+            (self.samples.is_some(), "--samples"),
             (self.smoothing.to_bits() != 1e-4_f64.to_bits(), "--smoothing"),
             (self.bound != BoundArg::Disc, "--bound"),
             (self.weight.is_some(), "--weight"),
