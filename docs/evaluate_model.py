@@ -127,7 +127,8 @@ def product_of_textures(record, tensors, wi, wo, textures=None):
         for coordinate in factor["coordinates"]:
             log = log + read_factor(texture, factor, coordinate, wi, wo)
     channels = [inverse_log(map, log[:, c]) for c, map in enumerate(record["maps"])]
-    return np.stack(channels, axis=1)
+    values = np.stack(channels, axis=1)
+    return np.minimum(values, record["ceilings"]) if "ceilings" in record else values
 
 
 def pulled_back(w, theta_max):
@@ -140,16 +141,70 @@ def pulled_back(w, theta_max):
 
 def read_factor(texture, factor, coordinate, wi, wo):
     """The log value, [n, channels], that one texture gives at one of its coordinates."""
-    size, kind = factor["grid"]["size"], coordinate["kind"]
-    if factor["grid"]["dimensions"] == 1:
+    across, down = factor["grid"]["columns"], factor["grid"]["rows"]
+    kind = coordinate["kind"]
+    if down == 1:
         w = {"radial-wi": wi, "radial-wo": wo}.get(kind)
         w = half_vector(wi, wo) if w is None else w
         x = np.hypot(w[:, 0], w[:, 1]) / factor["extent"][0]
-        i, next_i, u = between(x * (size - 1), size)
+        i, next_i, u = between(x * (across - 1), across)
         return (1 - u[:, None]) * texture[i] + u[:, None] * texture[next_i]
-    x, y = (plane_point(coordinate, wi, wo) / factor["extent"]).T
-    columns, rows = (between((v + 1) / 2 * (size - 1), size) for v in (x, y))
+    if kind == "isotropic":
+        pair = (wo, wi) if coordinate.get("swapped") else (wi, wo)
+        place = [
+            spaced(axis, angle_of(axis["angle"], *pair), largest)
+            for axis, largest in zip(coordinate["axes"], factor["extent"])
+        ]
+    else:
+        place = (plane_point(coordinate, wi, wo) / factor["extent"]).T
+    columns, rows = (between((v + 1) / 2 * (n - 1), n) for v, n in zip(place, (across, down)))
     return bilinear(texture, columns, rows)
+
+
+def angle_of(angle, wi, wo):
+    """An angle that a turn about the normal does not change."""
+    if angle in ("theta-i", "theta-o"):
+        w = wi if angle == "theta-i" else wo
+        return np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2])
+    if angle == "delta-phi":
+        side = np.abs(wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0])
+        apart = np.arctan2(side, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])
+        shorter = np.minimum(np.hypot(wi[:, 0], wi[:, 1]), np.hypot(wo[:, 0], wo[:, 1]))
+        return np.where(shorter > 1e-4, apart, 0)
+    s, t = wi + wo, wi - wo
+    across, length = np.hypot(s[:, 0], s[:, 1]), np.linalg.norm(s, axis=1)
+    theta_d = np.arctan2(np.linalg.norm(t, axis=1), length)
+    if angle == "theta-h":
+        return np.arctan2(across, s[:, 2])
+    if angle == "theta-d":
+        return theta_d
+    safe = np.where(across > 0, across, 1)
+    along = (s[:, 0] * t[:, 0] + s[:, 1] * t[:, 1]) / safe * s[:, 2] - t[:, 2] * across
+    beside = (s[:, 0] * t[:, 1] - s[:, 1] * t[:, 0]) / safe * length
+    known = (across > 1e-4 * length) & (np.linalg.norm(t, axis=1) > 1e-4 * length)
+    phi_d = np.where(known, np.arctan2(beside, along), 0)
+    size = np.abs(phi_d)
+    return {
+        "phi-d": size,
+        "phi-d-mod-pi": np.mod(phi_d, np.pi),
+        "phi-d-folded": np.minimum(size, np.pi - size),
+        "difference-x": theta_d * np.cos(phi_d),
+        "difference-x-folded": np.abs(theta_d * np.cos(phi_d)),
+        "difference-y": theta_d * np.sin(phi_d),
+        "difference-y-folded": np.abs(theta_d * np.sin(phi_d)),
+    }[angle]
+
+
+def spaced(axis, angle, largest):
+    """An angle as a texture coordinate, [-1, 1]."""
+    if axis["angle"] in ("difference-x", "difference-y"):
+        return angle / largest
+    spacing = axis.get("spacing", {"kind": "linear"})
+    return -1 + 2 * {
+        "linear": lambda: angle / largest,
+        "power": lambda: (angle / largest) ** spacing["exponent"],
+        "asinh": lambda: np.arcsinh(angle / spacing["alpha"]) / np.arcsinh(largest / spacing["alpha"]),
+    }[spacing["kind"]]()
 
 
 def plane_point(coordinate, wi, wo):

@@ -9,7 +9,7 @@ use brdf_model::SampleSet;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LogTransform {
-    /// log(a + f) with a = 1e-5 of the channel's mean, so that exact zeros can be fitted too.
+    /// log(a + f) with a a small part of the channel's mean, so that exact zeros can be fitted too.
     #[default]
     Offset,
     /// log f; samples with a channel that is zero are dropped and counted.
@@ -52,17 +52,18 @@ pub enum ChannelTransform {
 const HIGHLIGHT_MARGIN: f64 = 1.01;
 
 impl ChannelTransform {
-    /// Returns the log map of each channel of a set of samples.
-    pub fn for_samples(log_map: LogTransform, samples: &SampleSet) -> Vec<Self> {
+    /// Returns the log map of each channel of a set of samples; `offset` is a of [`LogTransform::Offset`] over the
+    /// channel's mean.
+    pub fn for_samples(log_map: LogTransform, offset: f64, samples: &SampleSet) -> Vec<Self> {
         samples
             .values()
             .iter()
-            .zip(brdf_model::log_offsets(samples))
-            .map(|(channel, offset)| {
+            .zip(samples.mean())
+            .map(|(channel, mean)| {
                 let largest = channel.iter().copied().fold(0.0, f64::max);
                 match log_map {
                     _ if largest <= 0.0 => Self::Zero,
-                    LogTransform::Offset => Self::Offset { a: offset },
+                    LogTransform::Offset => Self::Offset { a: offset * mean },
                     LogTransform::Log => Self::Log,
                     LogTransform::Highlight => Self::highlight(largest),
                 }

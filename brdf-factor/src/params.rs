@@ -82,6 +82,8 @@ pub struct FactorParams {
     pub smoothing: f64,
     /// The logarithm that is fitted.
     pub log_map: LogTransform,
+    /// a of [`LogTransform::Offset`] over the mean of each channel, above 0. Values well below a are not told apart.
+    pub offset: f64,
     /// The weights of samples.
     pub weight: Weight,
     /// The textures that are solved for together, where there are several terms.
@@ -102,6 +104,7 @@ impl Default for FactorParams {
             bound: Bound::Disc,
             smoothing: 1e-4,
             log_map: LogTransform::Offset,
+            offset: 1e-5,
             weight: Weight::Log,
             terms: TermSolve::All,
             clamp: true,
@@ -119,6 +122,13 @@ impl FactorParams {
                 option: "smoothing",
                 value: self.smoothing,
                 expected: "0 or more",
+            });
+        }
+        if !(self.offset > 0.0 && self.offset.is_finite()) {
+            return Err(FactorError::Option {
+                option: "the offset",
+                value: self.offset,
+                expected: "more than 0",
             });
         }
         if self.terms == TermSolve::Last(0) {

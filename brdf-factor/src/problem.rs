@@ -60,7 +60,7 @@ impl Problem {
         if samples.is_empty() {
             return Err(FactorError::NoSamples { dropped: samples.dropped().to_string() });
         }
-        let maps = ChannelTransform::for_samples(params.log_map, samples);
+        let maps = ChannelTransform::for_samples(params.log_map, params.offset, samples);
         let origin = morton_order(samples);
         let sorted = samples.rearranged(&origin);
         let weights = weights(&sorted, params.weight, &maps);

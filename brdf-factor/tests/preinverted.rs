@@ -54,7 +54,7 @@ fn a_repaint_is_the_factorization_from_scratch() {
         // Values of another material at the same places.
         for preset in ["cook-torrance", "lafortune-blue-paint"] {
             let other = samples(preset, 2000, 1);
-            let maps = ChannelTransform::for_samples(LogTransform::Offset, &other);
+            let maps = ChannelTransform::for_samples(LogTransform::Offset, 1e-5, &other);
             inverted.solve(other.values(), &maps, &mut workspace);
             let params = FactorParams { texture_size: 8, ..FactorParams::default() };
             let fit = factorize(&other, &specs, &params).unwrap();

@@ -106,6 +106,8 @@ pub struct FactoredSettings {
     pub smoothing: f64,
     /// Which logarithm is fitted.
     pub log_transform: LogTransform,
+    /// a of ln(a + f) over the mean of each channel, above 0.
+    pub offset: f64,
     /// How a sample's squared log error is weighted.
     pub weight: Weight,
     /// Whether light and viewer share textures.
@@ -148,6 +150,7 @@ impl FactoredSettings {
             bound: Bound::Disc,
             smoothing: 1e-4,
             log_transform: LogTransform::Offset,
+            offset: FactorParams::default().offset,
             weight: if is_isotropic { Weight::Fidelity } else { Weight::Log },
             reciprocity: Reciprocity::On,
             clamp: true,
@@ -189,6 +192,7 @@ impl FactoredSettings {
                 bound: self.bound,
                 smoothing: self.smoothing,
                 log_map: self.log_transform,
+                offset: self.offset,
                 weight: self.weight,
                 terms: search.map_or(TermSolve::All, SearchSettings::term_solve),
                 clamp: self.clamp,

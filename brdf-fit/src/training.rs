@@ -21,6 +21,8 @@ pub(crate) const FOLDS: usize = 10;
 pub(crate) struct Training {
     pub(crate) rows: SampleSet,
     pub(crate) fitted: SampleSet,
+    /// Of log errors: those of uniform pairs, whatever is fitted beside them.
+    offsets: Vec<f64>,
     held_out: HeldOut,
 }
 
@@ -67,15 +69,16 @@ impl Training {
                 seed: settings.seed,
             };
             let fitted = rows.replicated(folds.rotations, folds.reciprocal);
-            return Self { rows, fitted, held_out: HeldOut::Folds(folds) };
+            let offsets = log_offsets(&fitted);
+            return Self { rows, fitted, offsets, held_out: HeldOut::Folds(folds) };
         }
         let sampling = PairSampling { count: settings.samples, seed: settings.seed, theta_max };
-        let rows = mixed(material, channels, &sampling, settings.highlight);
+        let (rows, offsets) = mixed(material, channels, &sampling, settings.highlight);
         let rows = fit_for(settings.params.log_map, rows);
         let fitted = rows.replicated(settings.replicate, false);
         let seed = ScrambledSobol::held_out_seed(settings.seed);
         let held_out = HeldOut::Drawn(drawn(material, channels, seed, theta_max));
-        Self { rows, fitted, held_out }
+        Self { rows, fitted, offsets, held_out }
     }
 
     /// Samples for a search: measured rows in random order, so that a part of them is fair, and a
@@ -117,10 +120,10 @@ impl Training {
         specs: &[FactorSpec],
         params: &FactorParams,
     ) -> Result<TermRecord, FactorError> {
-        let offsets = log_offsets(&self.fitted);
+        let offsets = &self.offsets;
         let held_out: Option<FitErrors> = match &self.held_out {
             HeldOut::Drawn(unseen) => {
-                (!unseen.is_empty()).then(|| measure(unseen, &fit.model, &offsets))
+                (!unseen.is_empty()).then(|| measure(unseen, &fit.model, offsets))
             }
             HeldOut::Folds(folds) => cross_validate(&self.rows, specs, params, folds)?,
         };
@@ -128,19 +131,19 @@ impl Training {
             textures: fit.model.factors().len(),
             projections: projections(specs),
             // Rotated copies of a row repeat its error but for the texel grid; the rows suffice.
-            training: measure(&self.rows, &fit.model, &offsets),
+            training: measure(&self.rows, &fit.model, offsets),
             held_out,
         })
     }
 }
 
-/// Pairs of which a share lies around the mirror direction; the first part of them is uniform.
+/// Pairs of which a share lies around the mirror direction, and the log offsets of the others, which are uniform.
 fn mixed(
     material: &Material<'_>,
     channels: Channels,
     sampling: &PairSampling,
     highlight: f64,
-) -> SampleSet {
+) -> (SampleSet, Vec<f64>) {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -149,6 +152,7 @@ fn mixed(
     let around = (highlight.clamp(0.0, 1.0) * f64::from(sampling.count)) as u32;
     let uniform = PairSampling { count: sampling.count - around, ..*sampling };
     let mut rows = SampleSet::draw(material.brdf(), &uniform, channels);
+    let offsets = log_offsets(&rows);
     if around > 0 {
         // Some half vectors leave a direction beyond the limit, and are passed over.
         let more = PairSampling { count: around.saturating_mul(4), ..*sampling };
@@ -157,7 +161,7 @@ fn mixed(
             rows.push_clamped(&pair, material.brdf().eval_unclamped(&pair));
         }
     }
-    rows
+    (rows, offsets)
 }
 
 /// [`HELD_OUT_PAIRS`] pairs of a scramble.

@@ -94,7 +94,8 @@ impl Parametrization {
     /// Returns the two points of a pair that is first turned about the normal so that the first point
     /// has azimuth 0.
     ///
-    /// Three coordinates remain, all that an isotropic BRDF depends on.
+    /// Three coordinates remain, all that an isotropic BRDF depends on. Where the first point is the normal, the second
+    /// has azimuth 0.
     pub fn isotropic_hemispheres(self, pair: &DirectionPair) -> [DVec3; 2] {
         let [first, second] = match self {
             // The frame of Kautz and McCool is tied to the tangent; turned, it is Rusinkiewicz's.
@@ -111,7 +112,14 @@ impl Parametrization {
                 DVec3::new(cos * x + sin * y, cos * y - sin * x, second.z)
             }
         };
-        [DVec3::new(first.truncate().length(), 0.0, first.z), second]
+        let radius = first.truncate().length();
+        // What rounding leaves of a point on the normal has no azimuth, so that none is left between the two.
+        let second = if radius > ON_NORMAL {
+            second
+        } else {
+            DVec3::new(second.truncate().length(), 0.0, second.z)
+        };
+        [DVec3::new(radius, 0.0, first.z), second]
     }
 
     /// Returns the pair at two points of which the first has azimuth 0, or `None` where one of its
@@ -132,6 +140,9 @@ impl Parametrization {
         self.from_isotropic_hemispheres(points)
     }
 }
+
+/// Rounding moves a point from the normal by less than this.
+const ON_NORMAL: f64 = 1e-12;
 
 /// The point of the hemisphere above a point of the disc; rounding may leave it below the rim.
 fn lifted(point: DVec2) -> DVec3 {

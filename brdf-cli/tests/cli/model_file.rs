@@ -17,7 +17,7 @@ use brdf_separable::{EigenSolver, Fill};
 use tempfile::TempDir;
 
 /// Products of textures: every coordinate, space and log map, with and without reciprocity.
-const PRODUCTS: [&str; 9] = [
+const PRODUCTS: [&str; 13] = [
     "preset:ggx --method mccool",
     "preset:ashikhmin-shirley --method mccool --reciprocal off --luminance --bound cube --max-theta-deg 60",
     "preset:plastic --method radial --reciprocal off --log-map log",
@@ -28,6 +28,10 @@ const PRODUCTS: [&str; 9] = [
     "preset:red-plastic --terms 1 --restarts 1 --space half-difference --beside radial --search powell",
     "preset:red-plastic --method mccool --preinvert basis.safetensors",
     "black.csv --method mccool",
+    "preset:ggx --angles polar --bytes 3k --no-ceiling",
+    "preset:cook-torrance --angles cartesian --spacing 0.5 --bytes 3k --luminance",
+    "preset:ggx --angles oriented --bytes 3k --reciprocal off",
+    "preset:plastic --coordinates angles.toml",
 ];
 
 /// Splines of a material with both symmetries, in colour and grey, and lobes.
@@ -244,6 +248,24 @@ fn write_inputs(folder: &Path) {
     fs::write(folder.join("black.csv"), black.join("\n")).unwrap();
     let planes = "projections = [[[1,0,1,0],[0,1,0,1]], [[0.3,-0.8,0.1,0.4],[0.9,0.2,-0.5,0.1]]]";
     fs::write(folder.join("planes.toml"), planes).unwrap();
+    // What no choice of angles has, and textures of other coordinates beside them.
+    let angles = r#"
+        [[factors]]
+        coordinates = [{ kind = "isotropic", axes = [
+            { angle = "theta-h", spacing = { kind = "asinh", alpha = 0.05 } }, { angle = "theta-d" }] }]
+        grid = { columns = 12, rows = 7 }
+        [[factors]]
+        coordinates = [{ kind = "isotropic", axes = [{ angle = "theta-i" }, { angle = "delta-phi" }] },
+            { kind = "isotropic", axes = [{ angle = "theta-i" }, { angle = "delta-phi" }], swapped = true }]
+        grid = { columns = 6, rows = 9 }
+        [[factors]]
+        coordinates = [{ kind = "isotropic", axes = [{ angle = "phi-d" }, { angle = "theta-d" }] }]
+        grid = { columns = 6, rows = 5 }
+        [[factors]]
+        coordinates = [{ kind = "h" }]
+        grid = { columns = 6, rows = 6 }
+    "#;
+    fs::write(folder.join("angles.toml"), angles).unwrap();
 }
 
 /// Holds the values of every model, at a table of pairs, by NumPy and by `brdf` together.

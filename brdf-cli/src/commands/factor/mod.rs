@@ -24,7 +24,7 @@ use self::plan::SearchArgs;
 use self::preinvert::PreinvertArgs;
 use self::separable::SeparableArgs;
 use crate::advice::fit_notes;
-use crate::args::{PairArgs, ReadArgs, not_negative, share};
+use crate::args::{PairArgs, ReadArgs, not_negative, positive, share};
 use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
 use crate::outputs::{FolderArgs, command_line, write_all};
 use crate::progress::Watch;
@@ -101,6 +101,10 @@ pub(super) struct Factor {
     /// Which logarithm is fitted
     #[arg(long, value_enum, default_value_t = LogMapArg::Offset)]
     log_map: LogMapArg,
+
+    /// a of ln(a + f) over the mean of each channel [default: 1e-5]
+    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    offset: Option<f64>,
 
     /// How a sample's squared log error is weighted [default: fidelity for --method isotropic, else log]
     #[arg(long, value_enum)]
@@ -246,6 +250,7 @@ impl Factor {
             bound: self.bound.into(),
             smoothing: self.smoothing,
             log_transform: self.log_map.homomorphic().unwrap_or_default(),
+            offset: self.offset.unwrap_or(usual.offset),
             weight: self.weight.map_or(usual.weight, Into::into),
             highlight: self.highlight.unwrap_or(usual.highlight),
             clamp: !self.no_ceiling,

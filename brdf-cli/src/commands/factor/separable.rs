@@ -137,6 +137,7 @@ impl Factor {
             (self.samples.is_some(), "--samples"),
             (self.smoothing.to_bits() != 1e-4_f64.to_bits(), "--smoothing"),
             (self.bound != BoundArg::Disc, "--bound"),
+            (self.offset.is_some(), "--offset"),
             (self.weight.is_some(), "--weight"),
             (self.highlight.is_some(), "--highlight"),
             (self.no_ceiling, "--no-ceiling"),
