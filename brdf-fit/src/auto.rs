@@ -1,5 +1,6 @@
 //! The method that suits a material, by trying those that may.
 
+use brdf_factor::Spacing;
 use brdf_job::Job;
 use brdf_model::{ANISOTROPIC, anisotropy};
 use brdf_spline::SPLINE_BYTES;
@@ -156,7 +157,9 @@ fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
             ..FactoredSettings::of(method)
         }))
     };
-    let angles = IsotropicSettings { bytes, ..IsotropicSettings::default() };
+    // One spacing that suits most: choosing takes time, and splines are better nearly always.
+    let spacing = Some(Spacing::Power { exponent: 0.75 });
+    let angles = IsotropicSettings { pairs: None, spacing, bytes };
     vec![
         compact(CompactMethod::Spline { bytes }),
         compact(CompactMethod::Ggx { lobes: 1 }),
