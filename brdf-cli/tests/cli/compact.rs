@@ -28,6 +28,28 @@ fn an_isotropic_material_becomes_the_best_small_model() {
 }
 
 #[test]
+fn textures_over_angles_are_chosen_by_trial_or_by_name() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let words = "factor preset:cook-torrance --method isotropic --bytes 4k --samples 20000";
+    let chosen = report(root, &format!("{words} --json -o a"));
+    assert_eq!(chosen["method"], "isotropic");
+    assert!(chosen["bytes"].as_u64().unwrap() <= 4096, "{chosen}");
+    let notes = chosen["notes"].to_string();
+    assert!(notes.contains("polar evenly spaced") && notes.contains("oriented"), "{notes}");
+    // Weights of the logarithm alone do better by it, those of all measures nearer to the highlight.
+    let log =
+        |report: &Value| report["terms"][0]["held_out"]["log"]["mean_square"].as_f64().unwrap();
+    let words = "factor preset:cook-torrance --angles cartesian --bytes 4k --samples 20000 --weight log --highlight 0";
+    let named = report(root, &format!("{words} --json -o b"));
+    assert!(log(&named) < 0.001 && log(&named) < log(&chosen), "{named}");
+    // McCool's textures of as many bytes stand beside it.
+    let mccool = named["baseline"]["mccool"]["held_out"]["log"]["mean_square"].as_f64().unwrap();
+    assert!(mccool > 10.0 * log(&named), "{named}");
+    assert!(root.join("b/factor-3.exr").exists() && !root.join("b/factor-4.exr").exists());
+}
+
+#[test]
 fn options_that_do_not_go_together_are_refused() {
     let root = tempfile::tempdir().unwrap();
     for (words, says) in [
@@ -40,8 +62,12 @@ fn options_that_do_not_go_together_are_refused() {
         ("factor preset:ggx --method spline --error .1", "--error is for --method auto"),
         (
             "factor preset:ggx --method mccool --bytes 1k",
-            "--bytes is for --method auto, spline or ggx",
+            "--bytes is for --method auto, spline, ggx or isotropic",
         ),
+        ("factor preset:ggx --method mccool --angles polar", "--angles is for --method auto"),
+        ("factor preset:ggx --angles polar --texture-size 8", "here --bytes says how large"),
+        ("factor preset:ggx --method coordinates", "needs --coordinates FILE"),
+        ("factor preset:ggx --method spline --highlight .5", "--highlight does not apply"),
         (
             "factor preset:ggx --method spline --bytes 100",
             "a model of 100 bytes; expected 300 to 200000",
