@@ -58,6 +58,7 @@ fn model_file() -> FactoredModel {
             },
             terms: vec![TermRecord {
                 textures: 2,
+                family: None,
                 projections: Vec::new(),
                 training,
                 held_out: None,

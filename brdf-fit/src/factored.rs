@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use brdf_factor::{
     Coordinate, FactorError, FactorParams, FactorSpec, FactoredBrdf, Fit, LogTransform,
-    Preinverted, Problem, TermSolve, Weight, factorize, factorize_terms,
+    Preinverted, Problem, TermSolve, Weight, factorize,
 };
 use brdf_job::Job;
 use brdf_model::{Channels, PairSampling, SampleSet, largest_albedo, summarize};
@@ -18,9 +18,9 @@ use crate::material::Material;
 use crate::method::Method;
 use crate::note::FitNote;
 use crate::record::{Albedo, FactoredRecord, FitSettingsRecord, TermRecord};
-use crate::search::{Found, SearchSettings};
+use crate::search::{Found, SearchSettings, fit_models};
 use crate::training::Training;
-use crate::tried::SearchReport;
+use crate::tried::{FamilyRecord, SearchReport};
 
 /// Which factors a product has.
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ pub enum Reciprocity {
     On,
     /// They do not.
     Off,
-    /// A search tries both; the lower error on validation pairs wins.
+    /// A search tries both; for each number of textures the lower error on validation pairs wins.
     Auto,
 }
 
@@ -238,6 +238,11 @@ impl FactoredModel {
             self.model = self.smaller.pop()?;
         }
         self.record.terms.retain(|term| term.textures <= textures);
+        // Smaller models may be of another family.
+        if let Some(family) = self.record.terms.last().and_then(|term| term.family) {
+            self.record.space = family.space;
+            self.record.settings.reciprocal = family.reciprocal;
+        }
         Some(self)
     }
 
@@ -400,18 +405,25 @@ pub fn fit_factored(
     fitting.advance(1);
 
     measuring.begin("measuring", fits.len() as u64);
+    let family = |index: usize| match (&settings.method, &found) {
+        (FactoredMethod::Projections { space, .. }, _) => {
+            Some(FamilyRecord { space: *space, reciprocal: reciprocal[0] })
+        }
+        (_, found) => found.as_ref().map(|found| found.models[index].family),
+    };
     let terms: Vec<TermRecord> = fits
         .par_iter()
         .zip(&specs)
-        .map(|(fit, specs)| {
-            let record = training.record(fit, specs, &record.params);
+        .enumerate()
+        .map(|(index, (fit, specs))| {
+            let term = training.record(fit, specs, &record.params)?;
             measuring.advance(1);
-            record
+            Ok(TermRecord { family: family(index), ..term })
         })
         .collect::<Result<_, FactorError>>()?;
     baseline_job.begin("fitting McCool's baseline", 1);
-    if let Some(found) = &found {
-        record.reciprocal = found.family.reciprocal;
+    if let Some(largest) = found.as_ref().and_then(|found| found.models.last()) {
+        record.reciprocal = largest.family.reciprocal;
     }
     let mccool = FactorSpec::mccool(record.reciprocal);
     let baseline = match &settings.method {
@@ -436,7 +448,7 @@ pub fn fit_factored(
         evaluations: searched + fits.len(),
         search: found.as_ref().map(|found| SearchReport {
             terms: asked,
-            stopped: found.outcome.stopped.map(|cause| cause.name().to_owned()),
+            stopped: found.stopped.map(|cause| cause.name().to_owned()),
             tried: found.tried.clone(),
         }),
         fits,
@@ -475,7 +487,7 @@ fn specs_of(
 ) -> Vec<Vec<FactorSpec>> {
     match (method, found) {
         (FactoredMethod::Search(_), Some(found)) => {
-            found.outcome.terms.iter().map(|t| found.family.specs(&t.projections)).collect()
+            found.models.iter().map(|model| model.specs.clone()).collect()
         }
         (FactoredMethod::Search(_), None) => Vec::new(),
         (FactoredMethod::Projections { space, projections }, _) => {
@@ -486,22 +498,6 @@ fn specs_of(
             vec![basis.record.plan.factors.iter().map(|(spec, _)| spec.clone()).collect()]
         }
         (fixed, _) => fixed.fixed_specs(reciprocal).into_iter().collect(),
-    }
-}
-
-/// The textures of every model: each on its own, or each with the textures that the one before
-/// leaves it.
-fn fit_models(
-    samples: &SampleSet,
-    models: &[Vec<FactorSpec>],
-    params: &FactorParams,
-) -> Result<Vec<Fit>, FactorError> {
-    match (params.terms, models.last()) {
-        (TermSolve::Last(_), Some(largest)) => {
-            let mut fits = factorize_terms(samples, largest, params)?;
-            Ok(fits.split_off(models[0].len() - 1))
-        }
-        _ => models.iter().map(|specs| factorize(samples, specs, params)).collect(),
     }
 }
 
@@ -576,12 +572,12 @@ fn scattered_notes(
 
 /// How the projections came about, where that bears on the figures.
 fn search_notes(found: &Found, asked: usize, scattered: bool, notes: &mut Vec<FitNote>) {
-    if let Some(cause) = found.outcome.stopped {
-        notes.push(FitNote::SearchStopped { cause, found: found.outcome.terms.len(), asked });
+    if let Some(cause) = found.stopped {
+        notes.push(FitNote::SearchStopped { cause, found: found.models.len(), asked });
     }
-    let tried = found.tried.iter();
-    let tried: Vec<(Space, bool, f64)> =
-        tried.filter_map(|t| Some((t.space, t.reciprocal, t.validation?))).collect();
+    let compared = found.tried.iter().filter(|this| !this.validation.is_empty());
+    let tried: Vec<(FamilyRecord, Vec<f64>)> =
+        compared.map(|this| (this.family, this.validation.clone())).collect();
     if !tried.is_empty() {
         notes.push(FitNote::Chosen { tried, on_rows: scattered });
     }

@@ -80,7 +80,7 @@ pub use separable::{
 };
 pub use spectrum::{RankErrors, light_view_spectrum, rank_errors};
 pub use training::HELD_OUT_PAIRS;
-pub use tried::{SearchReport, Tried};
+pub use tried::{FamilyRecord, SearchReport, Tried};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,10 +1,10 @@
 //! What a reader of a fit should know beside its numbers.
 
 use brdf_job::StopCause;
-use brdf_param::Space;
 
 use crate::isotropic::TriedPairs;
 use crate::record::TriedModel;
+use crate::tried::FamilyRecord;
 
 /// Something about a fit that its errors alone do not show. What could be done about it is for front ends to say,
 /// who know what their options are called.
@@ -52,10 +52,10 @@ pub enum FitNote {
         /// Number asked for.
         asked: usize,
     },
-    /// A family of projections was chosen among several.
+    /// For each number of terms, the best of several families of projections was kept.
     Chosen {
-        /// Space, reciprocity, and mean square log error of each that was tried.
-        tried: Vec<(Space, bool, f64)>,
+        /// Every family, and its mean square log error for each number of terms.
+        tried: Vec<(FamilyRecord, Vec<f64>)>,
         /// Whether on a tenth of measured rows instead of drawn pairs.
         on_rows: bool,
     },

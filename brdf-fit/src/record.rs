@@ -8,6 +8,7 @@ use brdf_separable::{CellCounts, ChannelSpectrum, Decomposition, Fill, RankError
 use serde::{Deserialize, Serialize};
 
 use crate::method::{Method, StrategyKind};
+use crate::tried::FamilyRecord;
 
 /// How a factored model was made and how good it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,7 +18,7 @@ pub struct FactoredRecord {
     pub method: Method,
     /// What was fitted: a preset, or the name of a file without its folder.
     pub input: String,
-    /// Space of the projections.
+    /// Space of the projections of the largest model; those of smaller ones may have another.
     pub space: Space,
     /// Options.
     pub settings: FitSettingsRecord,
@@ -35,7 +36,8 @@ pub struct FactoredRecord {
 pub struct FitSettingsRecord {
     /// Of the fit itself.
     pub params: FactorParams,
-    /// Whether light and viewer share textures.
+    /// Whether light and viewer share textures; after a search that tried both, those of the largest
+    /// model.
     pub reciprocal: bool,
     /// Pairs asked for; scattered rows come as they are.
     pub samples: u32,
@@ -79,6 +81,9 @@ pub struct SearchSettingsRecord {
 pub struct TermRecord {
     /// Textures of the model.
     pub textures: usize,
+    /// What its projections are of; none where it has none.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub family: Option<FamilyRecord>,
     /// Its projections, for each factor that has one; conjugates are left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub projections: Vec<Projection>,

@@ -34,7 +34,7 @@ pub struct FactoredReport {
     pub model: String,
     /// How it was made.
     pub method: Method,
-    /// Space of its projections.
+    /// Space of the projections of the largest model; those of smaller ones may have another.
     pub space: Space,
     /// What was fitted and what was not.
     pub samples: SamplesReport,

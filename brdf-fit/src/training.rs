@@ -43,7 +43,7 @@ pub(crate) struct SearchSamples {
 pub(crate) struct Choice {
     pub(crate) fitted: SampleSet,
     pub(crate) unseen: SampleSet,
-    /// The fitted samples are all there are, so that the winner need not be searched again.
+    /// The fitted samples are all there are, so that winners need not be searched again.
     pub(crate) is_complete: bool,
 }
 
@@ -129,6 +129,7 @@ impl Training {
         };
         Ok(TermRecord {
             textures: fit.model.factors().len(),
+            family: None,
             projections: projections(specs),
             // Rotated copies of a row repeat its error but for the texel grid; the rows suffice.
             training: measure(&self.rows, &fit.model, offsets),

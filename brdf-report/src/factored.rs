@@ -152,7 +152,7 @@ fn errors(report: &FactoredReport) -> Markup {
                 th { "linear abs" } th { "linear square" } th { "linear max" }
             }
             @for term in &report.terms {
-                (error_rows(&format!("{} textures", term.textures), term))
+                (error_rows(&model_name(term), term))
             }
             @if let Some(mccool) = mccool {
                 (error_rows(&format!("McCool, {} textures", mccool.textures), mccool))
@@ -185,11 +185,17 @@ fn search(report: &FactoredReport, pictures: &Pictures) -> Markup {
             code { "brdf factor --from model.safetensors --keep N" } " takes one out."
         }
         table {
-            tr { th { "searched" } th { "validation error" } th { "evaluations" } th { "seconds" } }
+            tr {
+                th { "searched" } th { "validation errors, by number of textures" }
+                th { "evaluations" } th { "seconds" }
+            }
             @for tried in &search.tried {
                 tr {
-                    td { (tried.space.name()) @if tried.reciprocal { ", reciprocal" } }
-                    td { (or_dash(tried.validation)) }
+                    td { (tried.family) }
+                    td {
+                        @if tried.validation.is_empty() { "–" }
+                        @for error in &tried.validation { (significant(*error)) " " }
+                    }
                     td { (tried.evaluations) }
                     td { (significant(tried.seconds)) }
                 }
@@ -199,6 +205,11 @@ fn search(report: &FactoredReport, pictures: &Pictures) -> Markup {
             p { "The search was stopped (" (cause) "): these are the best models found so far." }
         }
     }
+}
+
+fn model_name(term: &TermRecord) -> String {
+    let family = term.family.map_or(String::new(), |family| format!(" ({family})"));
+    format!("{} textures{family}", term.textures)
 }
 
 fn error_rows(name: &str, term: &TermRecord) -> Markup {

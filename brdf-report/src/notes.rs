@@ -46,13 +46,13 @@ pub fn fit_note(note: &FitNote) -> String {
         FitNote::Chosen { tried, on_rows } => {
             let tried: Vec<String> = tried
                 .iter()
-                .map(|(space, reciprocal, error)| {
-                    let kind = if *reciprocal { "reciprocal" } else { "not reciprocal" };
-                    format!("{} {kind} {}", space.name(), significant(*error))
+                .map(|(family, errors)| {
+                    let errors: Vec<String> = errors.iter().copied().map(significant).collect();
+                    format!("{family}: {}", errors.join(", "))
                 })
                 .collect();
             let on = if *on_rows { "a tenth of the rows, set aside" } else { "validation pairs" };
-            format!("chosen by the log error on {on}: {}", tried.join(", "))
+            format!("for each number of textures the best by the log error on {on} ({})", tried.join("; "))
         }
         FitNote::ChosenAngles { tried, on_rows } => {
             let tried: Vec<String> = tried

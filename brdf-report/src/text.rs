@@ -236,13 +236,7 @@ fn write_factored(name: &str, report: &FactoredReport, out: &mut String) -> fmt:
     )?;
     let held_out = |term: &TermRecord| or_dash(term.held_out.as_ref().map(|e| e.log.mean_square));
     if let Some(search) = &report.search {
-        writeln!(
-            out,
-            "{} projections, {}, {} evaluations",
-            report.space.name(),
-            if report.settings.reciprocal { "reciprocal" } else { "not reciprocal" },
-            report.evaluations
-        )?;
+        writeln!(out, "{} evaluations", report.evaluations)?;
         if let Some(cause) = &search.stopped {
             writeln!(out, "stopped early ({cause}): the best found so far")?;
         }
@@ -250,8 +244,9 @@ fn write_factored(name: &str, report: &FactoredReport, out: &mut String) -> fmt:
     for term in &report.terms {
         writeln!(
             out,
-            "{:>2} textures: mean square log error {}, held out {}",
+            "{:>2} textures{}: mean square log error {}, held out {}",
             term.textures,
+            term.family.map_or(String::new(), |family| format!(" ({family})")),
             significant(term.training.log.mean_square),
             held_out(term)
         )?;
