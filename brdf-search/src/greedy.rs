@@ -4,11 +4,11 @@
 
 use brdf_factor::{FactorError, Problem};
 use brdf_job::Job;
-use brdf_param::Projection;
+use brdf_param::{Projection, Space};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Stage};
 use crate::random::StartRng;
 use crate::starts::canonical_projections;
 use crate::varpro::{Level, Solved};
@@ -41,8 +41,9 @@ pub struct GreedyParams {
     pub texture_size: usize,
     /// Number of random starts of every term; at least 1.
     pub restarts: usize,
-    /// Whether every term starts from two canonical planes too: the first direction, and the sum of both. Cole
-    /// 2002 calls them good guesses, but measures with random ones alone.
+    /// Whether every term starts from canonical planes too: the first direction, the second, and their
+    /// sum; of `wi` and `wo` in a reciprocal search only one, since they share a texture. Cole 2002 calls
+    /// them good guesses, but measures with random ones alone.
     pub canonical_starts: bool,
     /// Number of factors whose textures are solved for together, the new one included; at least 1. Earlier
     /// ones keep theirs. Cole 2002 finds 2 much better than 1, and more hardly better than 2.
@@ -73,8 +74,8 @@ impl Default for GreedyParams {
     }
 }
 
-/// Canonical starts of every term: the first direction, and the sum of both.
-const CANONICAL: [usize; 2] = [0, 2];
+/// Number of canonical starts of every term: the first direction, the second, and their sum.
+const CANONICAL: usize = 3;
 
 /// Returns the models found by adding one projection after another, each the best of several Powell
 /// descents over rotations.
@@ -107,7 +108,7 @@ pub fn search_greedy(
             });
         }
     }
-    let monitor = Monitor::new(job, params.terms);
+    let monitor = Monitor::new(job, plan(problem, family, params));
     let mut greedy = Greedy {
         // Factors whose textures may still change: fixed ones first, then searched ones.
         active: Family { fixed: family.fixed.clone(), ..*family },
@@ -123,7 +124,47 @@ pub fn search_greedy(
         projections.push(plane);
         terms.push(TermOutcome { projections, error });
     }
+    monitor.end();
     Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stop_cause() })
+}
+
+/// The one part of this search, as its progress names it.
+const ADDING: &str = "adding";
+
+/// The evaluations that a search should take: a mean number for each descent, measured on presets.
+fn plan(problem: &Problem, family: &Family, params: &GreedyParams) -> Vec<Stage> {
+    let stage = |term: usize| {
+        let starts = starts(family.space, family.reciprocal, params, term).len() as f64;
+        // Textures that are solved for together; only the last ones move.
+        let factors = (family.fixed.len() + term + 1).min(params.last) as f64;
+        let unknowns = factors * (params.texture_size * params.texture_size) as f64;
+        Stage {
+            part: ADDING,
+            terms: term + 1,
+            evaluations: starts * DESCENT + 2.0,
+            cost: 4.0 * problem.len() as f64 * factors + 2e-5 * unknowns.powi(3),
+        }
+    };
+    (0..params.terms).map(stage).collect()
+}
+
+/// Evaluations of a descent.
+const DESCENT: f64 = 270.0;
+
+/// The places from which the descents of a term start.
+fn starts(space: Space, reciprocal: bool, params: &GreedyParams, term: usize) -> Vec<Rotation4> {
+    let mut canonical = canonical_projections();
+    canonical.truncate(if params.canonical_starts { CANONICAL } else { 0 });
+    if reciprocal && space == Space::Standard {
+        // A texture that is read at wi is read at wo too.
+        canonical.retain(|plane| *plane != Projection::SECOND);
+    }
+    let planes = params.start.get(term).copied().into_iter().chain(canonical);
+    let mut starts: Vec<Rotation4> =
+        planes.map(|plane| Rotation4::from_projection(&plane)).collect();
+    let mut rng = StartRng::new(params.seed, 201, term as u64);
+    starts.extend((0..params.restarts).map(|_| rng.rotation()));
+    starts
 }
 
 struct Greedy<'a, 'm> {
@@ -139,10 +180,10 @@ struct Greedy<'a, 'm> {
 impl Greedy<'_, '_> {
     /// The best next projection, and the error with it.
     fn next_term(&mut self, index: usize) -> Result<(Projection, f64), SearchError> {
+        self.monitor.begin(ADDING, index + 1);
         let level = Level::new(&self.problem, self.params.texture_size, &self.active)?;
         let known = level.solve(&[], self.monitor)?;
-        let starts = self.starts(index);
-        self.monitor.begin(index + 1, starts.len());
+        let starts = starts(self.active.space, self.active.reciprocal, self.params, index);
         let minima: Result<Vec<(Projection, f64)>, SearchError> = starts
             .par_iter()
             .enumerate()
@@ -169,20 +210,6 @@ impl Greedy<'_, '_> {
             total.iter_mut().zip(part).for_each(|(total, part)| *total += part);
         }
         self.problem = self.problem.subtract(given);
-    }
-
-    fn starts(&self, term: usize) -> Vec<Rotation4> {
-        let mut canonical = Vec::new();
-        if self.params.canonical_starts {
-            let all = canonical_projections();
-            canonical.extend(CANONICAL.map(|index| all[index]));
-        }
-        let planes = self.params.start.get(term).copied().into_iter().chain(canonical);
-        let mut starts: Vec<Rotation4> =
-            planes.map(|plane| Rotation4::from_projection(&plane)).collect();
-        let mut rng = StartRng::new(self.params.seed, 201, term as u64);
-        starts.extend((0..self.params.restarts).map(|_| rng.rotation()));
-        starts
     }
 
     /// One descent; once the search is stopped, every further place looks infinitely bad.

@@ -14,7 +14,7 @@ use brdf_job::Job;
 use brdf_param::Projection;
 use rayon::prelude::*;
 
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Stage};
 use crate::starts::{canonical_projections, joint_starts, new_planes};
 use crate::varpro::{Candidate, Level, Limits, Solved};
 use crate::{Family, SearchError, SearchOutcome, TermOutcome};
@@ -90,6 +90,60 @@ const EARLY_MEDIUM_HEATS: [Heat; 1] = [heat(5, 1e-3, 1, 1.5)];
 const FINE_STEPS: usize = 2;
 const EARLY_FINE_STEPS: usize = 0;
 
+/// Parts of the search, as its progress names them.
+const GROWING: &str = "growing";
+const COMPARING: &str = "comparing";
+const EXCHANGING: &str = "exchanging";
+const REFINING: &str = "refining";
+const FINISHING: &str = "finishing";
+
+/// The evaluations that a search should take, and what each costs.
+///
+/// How many steps a set takes depends on the material: the numbers are means over the presets.
+fn plan(problem: &Problem, family: &Family, params: &JointParams) -> Vec<Stage> {
+    let cost = |(size, samples): (usize, usize), terms: usize, moved: usize| {
+        let readers = if family.reciprocal { 2.0 } else { 1.0 };
+        let samples = samples.min(problem.len()) as f64 * readers * readers;
+        let unknowns = (size.min(params.texture_size).pow(2) * terms) as f64;
+        // Gathering the blocks that move, and a Cholesky factor.
+        samples * (moved * terms) as f64 + 2e-5 * unknowns.powi(3)
+    };
+    let fine = (params.texture_size, problem.len());
+    let beam = BEAM as f64;
+    let grown = |sets: f64, effort: Effort| {
+        sets * (1.0 + effort.tried as f64 + STEPS_ALONE * effort.moved_alone as f64)
+    };
+    let raced = |starts: f64| STEPS_FIRST * starts + STEPS_SECOND * starts.min(12.0);
+    let mut stages = Vec::new();
+    let mut stage = |part, terms, evaluations, cost| {
+        stages.push(Stage { part, terms, evaluations, cost });
+    };
+    for terms in 1..=params.terms {
+        let starts = random_starts(terms, params).len() as f64;
+        let mut sets = raced(starts);
+        if terms > 1 {
+            stage(GROWING, terms, grown(beam, GROW), cost(COARSE, terms, 1));
+            sets += raced(beam * GROW.moved_together as f64);
+        }
+        stage(COMPARING, terms, sets, cost(COARSE, terms, terms));
+        if terms > 1 && terms == params.terms {
+            let sets = terms as f64;
+            let exchanges = grown(sets, EXCHANGE) + raced(sets * EXCHANGE.moved_together as f64);
+            stage(EXCHANGING, terms, exchanges, cost(COARSE, terms, 2));
+        }
+    }
+    for terms in 1..=params.terms {
+        let (medium, fine_steps) = if terms == params.terms { (30.0, 4.0) } else { (10.0, 1.0) };
+        stage(REFINING, terms, medium, cost(MEDIUM, terms, terms));
+        stage(FINISHING, terms, fine_steps, cost(fine, terms, terms));
+    }
+    stages
+}
+/// Evaluations of a plane that moves alone, and of a set in the first and the second heat.
+const STEPS_ALONE: f64 = 3.5;
+const STEPS_FIRST: f64 = 7.0;
+const STEPS_SECOND: f64 = 5.0;
+
 /// Returns the projections that fit best together, for every number of terms up to the largest.
 ///
 /// The result does not depend on the number of threads, unless the search is stopped. A search that is
@@ -114,11 +168,12 @@ pub fn search_joint(
             expected: "1 or more",
         });
     }
-    let monitor = Monitor::new(job, params.terms);
+    let monitor = Monitor::new(job, plan(problem, family, params));
     // Computed once, so that the levels below take theirs from here.
     problem.points(family.space);
     let beams = coarse_beams(problem, family, params, &monitor)?;
     let terms = refined(problem, family, params, &beams, &monitor)?;
+    monitor.end();
     Ok(SearchOutcome { terms, evaluations: monitor.evaluations(), stopped: monitor.stop_cause() })
 }
 
@@ -141,10 +196,13 @@ fn coarse_beams(
             starts.push(Candidate::new(params.start[..terms].to_vec()));
         }
         let grown = match beams.last() {
-            Some(beam) => grow(&level, beam, GROW, params, monitor)?,
+            Some(beam) => {
+                monitor.begin(GROWING, terms);
+                grow(&level, beam, GROW, params, monitor)?
+            }
             None => Vec::new(),
         };
-        monitor.begin(terms, starts.len() + grown.len());
+        monitor.begin(COMPARING, terms);
         // Each kind keeps its share of the beam: sets that start together reach minima that growing
         // ones do not, though those may stand lower for now.
         let both = !starts.is_empty() && !grown.is_empty();
@@ -155,6 +213,7 @@ fn coarse_beams(
         beam.extend(race(&level, grown, &heats, monitor)?);
         beam.sort_by(|a, b| a.energy.total_cmp(&b.energy));
         if terms == params.terms && terms > 1 && !monitor.stopped() {
+            monitor.begin(EXCHANGING, terms);
             beam.extend(exchanged(&level, &beam[0], params, monitor)?);
             beam = select(beam, BEAM, f64::INFINITY);
         }
@@ -284,10 +343,11 @@ fn refined(
         } else {
             (BEAM / 2, &EARLY_MEDIUM_HEATS, EARLY_FINE_STEPS)
         };
-        monitor.begin(beam[0].projections.len(), sets);
+        monitor.begin(REFINING, beam[0].projections.len());
         let sets = beam.iter().take(sets).map(fresh).collect();
         let best = race(&medium, sets, heats, monitor)?.swap_remove(0);
         let limits = Limits { steps, tolerance: 1e-3 };
+        monitor.begin(FINISHING, beam[0].projections.len());
         let best = fine.improve(&fresh(&best), limits, monitor)?;
         terms.push(TermOutcome { projections: best.projections, error: best.energy });
     }

@@ -519,7 +519,7 @@ mod tests {
     fn derivatives_agree_with_finite_differences() {
         let sampling = PairSampling { count: 3_000, seed: 1, theta_max: 1.3 };
         let job = brdf_job::Job::new();
-        let monitor = Monitor::new(&job, 1);
+        let monitor = Monitor::new(&job, Vec::new());
         let mut rng = StartRng::new(1, 0, 0);
         for (preset, channels) in [(0, Channels::Luminance), (3, Channels::Rgb)] {
             let samples = SampleSet::draw(&Preset::ALL[preset].brdf(), &sampling, channels);
@@ -572,7 +572,7 @@ mod tests {
         let family = Family::new(Space::HalfDifference, true);
         let level = Level::new(&problem, 8, &family).unwrap();
         let job = brdf_job::Job::new();
-        let monitor = Monitor::new(&job, 1);
+        let monitor = Monitor::new(&job, Vec::new());
         let mut rng = StartRng::new(2, 0, 0);
         let [a, b, c] = [rng.projection(), rng.projection(), rng.projection()];
         let known = level.solve(&[a, b], &monitor).unwrap();

@@ -7,6 +7,7 @@
     reason = "a test that cannot go on has failed"
 )]
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use brdf_factor::{FactorParams, FactorSpec, LogTransform, Problem, factorize, factorize_terms};
@@ -179,9 +180,9 @@ fn the_error_does_not_feel_idle_dimensions() {
 }
 
 /// A product of known textures over some planes, and the problem of finding them.
-fn planted_problem(planes: &[Projection]) -> Problem {
+fn planted_problem(planes: &[Projection], reciprocal: bool) -> Problem {
     let seen = samples("lafortune-blue-paint", 8_000, Channels::Luminance);
-    let specs = FactorSpec::projections(Space::Standard, planes, true);
+    let specs = FactorSpec::projections(Space::Standard, planes, reciprocal);
     let smooth = FactorParams { texture_size: 4, ..params() };
     let planted = factorize(&seen, &specs, &smooth).unwrap().model;
     let product = SampleSet::draw(&planted, &sampling(8_000, 2), Channels::Luminance);
@@ -215,7 +216,7 @@ fn planted_projections_are_found_again() {
         plane([0.1, 0.9, 0.3, -0.4], [0.6, -0.1, 0.7, 0.2]),
     ];
     let family = Family::new(Space::Standard, true);
-    let problem = planted_problem(&planes);
+    let problem = planted_problem(&planes, true);
     let search = JointParams { terms: 2, restarts: 30, ..JointParams::default() };
     let found = search_joint(&problem, &family, &search, &Job::new()).unwrap();
     let (left, angles) = missed(&problem, &planes, &found);
@@ -227,7 +228,7 @@ fn planted_projections_are_found_again() {
     assert!(left < 5e-2, "greedy: {left:e} of the variance is left");
 
     for planted in planes {
-        let problem = planted_problem(&[planted]);
+        let problem = planted_problem(&[planted], true);
         let powell = GreedyParams { terms: 1, ..powell.clone() };
         let found = search_greedy(&problem, &family, &powell, &Job::new()).unwrap();
         let (left, angles) = missed(&problem, &[planted], &found);
@@ -433,6 +434,66 @@ fn impossible_options_are_refused_before_any_work() {
     assert!(matches!(error, SearchError::Underdetermined { samples: 200, .. }), "{error}");
     let powell = GreedyParams { last: 0, ..GreedyParams::default() };
     assert!(search_greedy(&fit, &reciprocal, &powell, &job).is_err());
+}
+
+/// The bar never goes back and ends where it should, and the number of evaluations that is foreseen is near what
+/// happens.
+#[test]
+fn progress_counts_evaluations_up_to_a_total_that_holds() {
+    let training = samples("lafortune-blue-paint", 2_000, Channels::Luminance);
+    let problem = problem(&training);
+    let family = Family::new(Space::Standard, true);
+    for greedily in [false, true] {
+        let seen = Mutex::new(Vec::new());
+        let watch = |progress: &Progress<'_>| {
+            seen.lock().unwrap().push((progress.fraction, progress.stage.to_owned()));
+        };
+        let job = Job::watched_by(&watch);
+        let outcome = if greedily {
+            let powell = GreedyParams { terms: 2, texture_size: 8, ..GreedyParams::default() };
+            search_greedy(&problem, &family, &powell, &job).unwrap()
+        } else {
+            let joint = JointParams { terms: 3, texture_size: 8, ..JointParams::default() };
+            search_joint(&problem, &family, &joint, &job).unwrap()
+        };
+        let seen = seen.into_inner().unwrap();
+        // Threads tell in any order, so a reader sees the largest share so far, as bars do.
+        assert!((seen.last().unwrap().0 - 1.0).abs() < 1e-9, "{:?}", seen.last());
+        let all = outcome.evaluations as f64;
+        for (fraction, stage) in &seen {
+            assert!(*fraction <= 1.0, "{stage}");
+            let Some((_, numbers)) = stage.split_once(", ") else { continue };
+            let words: Vec<&str> = numbers.split(' ').collect();
+            let [done, total] = [words[0], words[3]].map(|word| word.parse::<f64>().unwrap());
+            assert!(done <= all && done <= total, "{stage}");
+            assert!((0.6..1.6).contains(&(total / all)), "{stage}, in the end {all}");
+        }
+        let last = seen.iter().rev().find(|(_, stage)| stage.contains("evaluations")).unwrap();
+        assert!(last.1.contains(&format!(", {all} of about")), "{last:?}");
+    }
+}
+
+/// Without a round of the descent the best start is the answer: what depends on the viewer alone is found there.
+#[test]
+fn a_greedy_search_starts_from_the_viewer_too() {
+    let powell = GreedyParams {
+        terms: 1,
+        restarts: 1,
+        powell: PowellParams { rounds: 0, ..PowellParams::default() },
+        ..GreedyParams::default()
+    };
+    for reciprocal in [false, true] {
+        let family = Family::new(Space::Standard, reciprocal);
+        let viewer = planted_problem(&[Projection::SECOND], reciprocal);
+        let found = search_greedy(&viewer, &family, &powell, &Job::new()).unwrap();
+        let plane = found.terms[0].projections[0];
+        let expected = if reciprocal { Projection::FIRST } else { Projection::SECOND };
+        for (row, other) in plane.rows().iter().zip(expected.rows()) {
+            assert!(row.distance(other) < 1e-9, "reciprocal {reciprocal}: {plane:?}");
+        }
+        // A start, what it stands beside, and the textures in the end.
+        assert_eq!(found.evaluations, if reciprocal { 5 } else { 6 });
+    }
 }
 
 /// Powell's method on functions that have nothing to do with reflectance.
