@@ -77,7 +77,7 @@ pub(crate) enum SpaceArg {
     Hybrid,
     /// The view, and the light about it (sums of products)
     OnionSlice,
-    /// Search both; the lower error on validation pairs wins
+    /// Search both; for each number of textures the lower error on validation pairs wins
     Auto,
 }
 
@@ -197,7 +197,7 @@ choices! {
     pub(crate) enum ReciprocityArg for Reciprocity {
         On => On,
         Off => Off,
-        /// For --method search: try both; the lower error on validation pairs wins
+        /// For --method search: try both; for each number of textures the lower error on validation pairs wins
         Auto => Auto,
     }
 }

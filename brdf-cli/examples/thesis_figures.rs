@@ -1,0 +1,131 @@
+//! Figures 4.1, 4.2 and 4.4 of Cole's thesis, drawn from the searches here.
+//!
+//! ```sh
+//! cargo run --release -p brdf-cli --example thesis_figures -- figures          # the joint search, some minutes
+//! cargo run --release -p brdf-cli --example thesis_figures -- figures powell   # the thesis' own, much longer
+//! ```
+//!
+//! `figure-4-1.png`: a material, and five textures of 24² in standard and in half/difference space. The thesis
+//! shows CURET velvet, which is not at hand; this is the Ashikhmin–Shirley preset.
+//! `figure-4-2.svg`: errors by number of textures, in both spaces, with and without reciprocity, textures of 24².
+//! `figure-4-4.png`: the blue paint, two textures of 32² that were searched, and McCool's two.
+
+#![expect(clippy::print_stdout, reason = "an example prints")]
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use brdf_fit::{
+    FactoredFit, FactoredMethod, FactoredSettings, Material, Reciprocity, SearchSettings, Strategy,
+    fit_factored,
+};
+use brdf_image::{Panel, ToneMap, encode_png, strip};
+use brdf_job::Job;
+use brdf_model::{Brdf, Channels, Preset};
+use brdf_param::Space;
+use brdf_plot::{Curves, Scale, Series, plot_curves};
+use brdf_render::{DirectionalLight, Light, SphereView, render_sphere};
+use brdf_search::Objective;
+
+const SPACES: [Space; 2] = [Space::Standard, Space::HalfDifference];
+
+fn main() -> anyhow::Result<()> {
+    let mut words = std::env::args().skip(1);
+    let folder = PathBuf::from(words.next().context("a folder to write to")?);
+    let strategy = match words.next().as_deref() {
+        Some("powell") => Strategy::Powell(Objective::Relative),
+        _ => Strategy::Joint,
+    };
+    fs::create_dir_all(&folder)?;
+    let searched = |terms: usize, spaces: &[Space]| {
+        let spaces = spaces.to_vec();
+        FactoredSettings::of(FactoredMethod::Search(SearchSettings {
+            strategy,
+            terms,
+            spaces,
+            ..SearchSettings::default()
+        }))
+    };
+
+    let fabric = preset("ashikhmin-shirley")?;
+    let [standard, half] = SPACES.map(|space| fitted(fabric.as_ref(), &searched(5, &[space])));
+    let (standard, half) = (standard?, half?);
+    let picture = spheres(&[
+        ("Ashikhmin–Shirley", fabric.as_ref()),
+        ("standard", &standard.last().model),
+        ("half/difference", &half.last().model),
+    ])?;
+    fs::write(folder.join("figure-4-1.png"), picture)?;
+
+    let paint = preset("lafortune-blue-paint")?;
+    let size = Some(32);
+    let two = FactoredSettings { texture_size: size, ..searched(2, &SPACES) };
+    let ours = fitted(paint.as_ref(), &two)?;
+    let mccool =
+        FactoredSettings { texture_size: size, ..FactoredSettings::of(FactoredMethod::McCool) };
+    let mccool = fitted(paint.as_ref(), &mccool)?;
+    let picture = spheres(&[
+        ("blue paint", paint.as_ref()),
+        ("searched, 2 textures", &ours.last().model),
+        ("McCool, 2 textures", &mccool.last().model),
+    ])?;
+    fs::write(folder.join("figure-4-4.png"), picture)?;
+
+    let mut panels = Vec::new();
+    for name in ["lafortune-blue-paint", "cook-torrance"] {
+        let material = preset(name)?;
+        let mut series = Vec::new();
+        for space in SPACES {
+            for (reciprocity, kind) in [(Reciprocity::On, "reciprocal"), (Reciprocity::Off, "free")]
+            {
+                let settings = FactoredSettings {
+                    reciprocity,
+                    channels: Some(Channels::Luminance),
+                    ..searched(5, &[space])
+                };
+                let found = fitted(material.as_ref(), &settings)?;
+                let points: Vec<(f64, f64)> = found
+                    .terms
+                    .iter()
+                    .map(|term| (term.textures as f64, term.training.log.mean_square))
+                    .collect();
+                let label = format!("{}, {kind}", space.name());
+                println!("{name}, {label}: {:?}", points.iter().map(|p| p.1).collect::<Vec<_>>());
+                series.push(Series::new(label, points));
+            }
+        }
+        panels.push(Curves {
+            title: name.to_owned(),
+            x: "textures".to_owned(),
+            y: "mean square log error".to_owned(),
+            y_scale: Scale::Log,
+            series,
+        });
+    }
+    fs::write(folder.join("figure-4-2.svg"), plot_curves(&panels, 2)?.svg())?;
+    Ok(())
+}
+
+fn preset(name: &str) -> anyhow::Result<Box<dyn Brdf>> {
+    Ok(Box::new(Preset::find(name).context("a preset of this name")?.brdf()))
+}
+
+fn fitted(brdf: &dyn Brdf, settings: &FactoredSettings) -> anyhow::Result<FactoredFit> {
+    Ok(fit_factored(&Material::new("material", brdf), settings, &Job::new())?)
+}
+
+/// Spheres side by side at the exposure of the first, as a PNG.
+fn spheres(materials: &[(&str, &dyn Brdf)]) -> anyhow::Result<Vec<u8>> {
+    let light = Light::Directional(DirectionalLight::default());
+    let view = SphereView::default();
+    let films: Vec<_> =
+        materials.iter().map(|(_, brdf)| render_sphere(*brdf, &light, &view)).collect();
+    let tone = ToneMap::exposed_for(&films[0]);
+    let panels: Vec<Panel> = materials
+        .iter()
+        .zip(&films)
+        .map(|((name, _), film)| Panel { picture: tone.apply(film), caption: (*name).to_owned() })
+        .collect();
+    Ok(encode_png(&strip(&panels))?)
+}
