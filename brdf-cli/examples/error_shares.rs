@@ -19,6 +19,7 @@ use brdf_param::polar_angle;
 /// Upper ends of the bands of θh, degrees.
 const BANDS: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 90.0];
 const PAIRS: u32 = 20_000;
+const FITTED_PAIRS: u32 = 45_000;
 
 /// Numbers of values, and sums over them.
 #[derive(Clone, Copy, Default)]
@@ -68,10 +69,13 @@ fn main() -> anyhow::Result<()> {
     let channels = model.channels();
     let theta_max = FactorParams::default().theta_max;
     let seed = ScrambledSobol::held_out_seed(1);
-    let sampling = PairSampling { count: PAIRS, seed, theta_max };
-    let samples = SampleSet::draw(reference.brdf(), &sampling, channels);
-    // Those of the training pairs differ in the third digit.
-    let offsets = log_offsets(&samples);
+    let draw = |count, seed| {
+        let sampling = PairSampling { count, seed, theta_max };
+        SampleSet::draw(reference.brdf(), &sampling, channels)
+    };
+    let samples = draw(PAIRS, seed);
+    // Of the fitted pairs: with a mirror-like peak the mean of others may be quite another.
+    let offsets = log_offsets(&draw(FITTED_PAIRS, 1));
 
     let mut bands = [Sums::default(); BANDS.len()];
     let mut each = [Sums::default(); 3];
