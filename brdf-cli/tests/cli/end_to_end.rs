@@ -35,7 +35,7 @@ fn factor_without_input_writes_its_folder() {
     assert!(page.contains("data:image/png;base64,") && !page.contains("src=\"http"));
     // Once more, over itself, now by a search.
     let out = succeed(root.path(), &[&["factor"], &SEARCH[..]].concat());
-    assert!(out.contains("projections, reciprocal") && out.contains("McCool"), "{out}");
+    assert!(out.contains(", reciprocal): mean square") && out.contains("McCool"), "{out}");
     assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1, "nothing is left beside it");
 }
 
