@@ -52,7 +52,7 @@ fn main() -> anyhow::Result<()> {
     let [standard, half] = SPACES.map(|space| fitted(fabric.as_ref(), &searched(5, &[space])));
     let (standard, half) = (standard?, half?);
     let picture = spheres(&[
-        ("Ashikhmin–Shirley", fabric.as_ref()),
+        ("Ashikhmin-Shirley", fabric.as_ref()),
         ("standard", &standard.last().model),
         ("half/difference", &half.last().model),
     ])?;
