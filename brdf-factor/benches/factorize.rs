@@ -4,7 +4,7 @@
 
 use std::hint::black_box;
 
-use brdf_factor::{FactorParams, FactorSpec, factorize};
+use brdf_factor::{FactorParams, FactorSpec, IsotropicPairs, Spacing, factorize};
 use brdf_model::{Brdf, Channels, DirectionBatch, PairSampling, Preset, RgbBatch, SampleSet};
 use brdf_param::{DirectionPair, Projection, Space};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -44,6 +44,12 @@ fn evaluation(c: &mut Criterion) {
         ("two projections, half/difference, reciprocal", {
             fit(&FactorSpec::projections(Space::HalfDifference, &planes, true))
         }),
+        ("angles, polar, evenly spaced, four lookups", {
+            fit(&IsotropicPairs::Polar.specs(Spacing::Linear, 2_880, true))
+        }),
+        ("angles, cartesian, spaced by a power, five lookups", {
+            fit(&IsotropicPairs::Cartesian.specs(Spacing::Power { exponent: 0.75 }, 2_880, true))
+        }),
     ];
     let pairs: Vec<DirectionPair> = samples.pairs().collect();
     let batch: DirectionBatch = pairs.iter().collect();
@@ -53,6 +59,12 @@ fn evaluation(c: &mut Criterion) {
     for (name, model) in &models {
         group.bench_function(format!("{name}, batch"), |b| {
             b.iter(|| model.eval_batch(black_box(batch.as_slices()), &mut out));
+        });
+    }
+    let ggx = Preset::find("ggx").map(|preset| preset.brdf());
+    if let Some(ggx) = &ggx {
+        group.bench_function("the GGX formula, single, for comparison", |b| {
+            b.iter(|| pairs.iter().map(|pair| ggx.eval(black_box(pair)).r).sum::<f64>());
         });
     }
     group.bench_function("mccool, two textures, three lookups, single", |b| {

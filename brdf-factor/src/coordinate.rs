@@ -121,6 +121,13 @@ impl Coordinate {
         }
     }
 
+    /// The projection that is d as the coordinate that has a name; others as they are.
+    fn as_named(&self) -> Self {
+        let space = Space::HalfDifference;
+        let d = Self::Projected { space, projection: Projection::SECOND };
+        if *self == d { Self::D } else { *self }
+    }
+
     pub(crate) fn reading(&self) -> Reading {
         let fixed = |space, projection, half| {
             Reading::Planar(Plane { space, projection, fixed: Some(half) })
@@ -333,7 +340,9 @@ impl FactorSpec {
     /// Returns whether the factor stays the same when light and viewer are exchanged: the coordinates
     /// include the conjugate of each.
     pub fn is_reciprocal(&self) -> bool {
-        let has = |wanted: Coordinate| self.coordinates.contains(&wanted);
+        let has = |wanted: Coordinate| {
+            self.coordinates.iter().any(|coordinate| coordinate.as_named() == wanted.as_named())
+        };
         self.coordinates.iter().all(|coordinate| has(coordinate.reciprocal_conjugate()))
     }
 

@@ -210,6 +210,13 @@ fn the_three_solvers_predict_the_same_log_values() {
 }
 
 #[test]
+fn a_projection_onto_the_difference_vector_can_be_reciprocal() {
+    let space = Space::HalfDifference;
+    let spec = &FactorSpec::projections(space, &[Projection::SECOND], true)[0];
+    assert!(spec.coordinates.len() == 2 && spec.is_reciprocal(), "{spec:?}");
+}
+
+#[test]
 fn reciprocal_factors_cannot_tell_light_from_viewer() {
     let training = samples("ashikhmin-shirley", 4_000, Channels::Rgb);
     for (name, specs) in all_specs() {
