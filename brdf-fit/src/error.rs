@@ -2,6 +2,7 @@
 
 use brdf_factor::FactorError;
 use brdf_job::Stopped;
+use brdf_model::ModelError;
 use brdf_search::SearchError;
 use brdf_separable::SeparableError;
 use brdf_spline::SplineError;
@@ -22,6 +23,9 @@ pub enum FitError {
     /// A fit of splines failed.
     #[error(transparent)]
     Spline(#[from] SplineError),
+    /// What was fitted makes no model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// Settings that contradict each other.
     #[error("{setting} is {value}; expected {expected}")]
     Setting {

@@ -27,6 +27,7 @@ mod compact;
 mod compare;
 mod distribution;
 mod error;
+mod factor_model;
 mod factored;
 mod fit;
 mod fitted;
@@ -36,6 +37,7 @@ mod lobes;
 mod material;
 mod measures;
 mod method;
+mod network;
 mod note;
 mod preinvert;
 mod record;
@@ -55,6 +57,7 @@ pub use compact::{
 pub use compare::{Candidate, CompareSettings, Comparison, compare, metric_lights};
 pub use distribution::{Distribution, FolderComparison, MeasureDistribution};
 pub use error::FitError;
+pub use factor_model::{FactorChannel, FactorModel, FactorModelSettings, fit_factor_model};
 pub use factored::{
     FactoredFit, FactoredMethod, FactoredModel, FactoredSettings, Reciprocity, fit_factored,
 };
@@ -64,6 +67,7 @@ pub use isotropic::{IsotropicSettings, TriedPairs};
 pub use material::Material;
 pub use measures::{Measure, ModelMeasures, PictureMeasures};
 pub use method::{Method, SeparableMap, StrategyKind};
+pub use network::{NetworkSettings, train_network};
 pub use note::FitNote;
 pub use preinvert::preinvert;
 pub use record::{

@@ -24,17 +24,17 @@ const CONVERGED: f64 = 1e-4;
 const DIFFERENCE: f64 = 1e-4;
 /// Logarithms stay within ±LIMIT.
 const LIMIT: f64 = 18.0;
-const MEASURES: usize = 4;
+pub(crate) const MEASURES: usize = 4;
 /// Parameters of the base, and of a lobe.
 const BASE: usize = 6;
 const LOBE: usize = 5;
 
 /// What lobes are fitted to: values at pairs, each with its share in two sets of pairs.
 pub(crate) struct LobeProblem {
-    pairs: Vec<DirectionPair>,
-    values: Vec<[f64; 3]>,
-    shares: Vec<[f64; 2]>,
-    offsets: [f64; 3],
+    pub(crate) pairs: Vec<DirectionPair>,
+    pub(crate) values: Vec<[f64; 3]>,
+    pub(crate) shares: Vec<[f64; 2]>,
+    pub(crate) offsets: [f64; 3],
 }
 
 /// A state of the fit, with what measures say of it.
@@ -105,7 +105,7 @@ impl LobeProblem {
     }
 
     /// Mean squares of the measures over both sets.
-    fn mean_squares(&self, values: &[[f64; 3]]) -> [[f64; MEASURES]; 2] {
+    pub(crate) fn mean_squares(&self, values: &[[f64; 3]]) -> [[f64; MEASURES]; 2] {
         let mut sums = [[1e-14; MEASURES]; 2];
         self.for_each(values, |_, _, residuals, _, shares| {
             for (sums, share) in sums.iter_mut().zip(shares) {
@@ -126,12 +126,7 @@ impl LobeProblem {
         for (index, (found, wanted)) in values.iter().zip(&self.values).enumerate() {
             let cosine = self.pairs[index].wi.z;
             for c in 0..3 {
-                let (g, f, a) = (found[c], wanted[c], self.offsets[c]);
-                let at = |value| MeasuredValue { value, cosine, offset: a };
-                let (measured, expected) = (at(g).measures(), at(f).measures());
-                let residuals = std::array::from_fn(|m| measured[m] - expected[m]);
-                // By the value itself.
-                let slopes = at(g).slopes().map(|slope| slope / (a + g));
+                let (residuals, slopes) = measures_at(found[c], wanted[c], cosine, self.offsets[c]);
                 visit(index, c, residuals, slopes, self.shares[index]);
             }
         }
@@ -236,6 +231,20 @@ impl LobeProblem {
         let values = self.evaluate(&logs);
         Some(State { logs, values })
     }
+}
+
+/// What each measure says of a value beside the one that is wanted, and its slope with respect to the value.
+pub(crate) fn measures_at(
+    found: f64,
+    wanted: f64,
+    cosine: f64,
+    offset: f64,
+) -> ([f64; MEASURES], [f64; MEASURES]) {
+    let at = |value| MeasuredValue { value, cosine, offset };
+    let (measured, expected) = (at(found).measures(), at(wanted).measures());
+    let residuals = std::array::from_fn(|m| measured[m] - expected[m]);
+    let slopes = at(found).slopes().map(|slope| slope / (offset + found.max(0.0)));
+    (residuals, slopes)
 }
 
 fn weighted(means: [[f64; MEASURES]; 2], factors: [[f64; MEASURES]; 2]) -> f64 {

@@ -80,7 +80,7 @@ pub use metrics::{
     COSINE_RMS_PAIRS, CosineRms, ErrorMeasures, FitErrors, cosine_rms, cosine_rms_pairs,
     log_offsets, measure,
 };
-pub use nbrdf::Nbrdf;
+pub use nbrdf::{Nbrdf, NbrdfDomain};
 pub use perceptual::{PerceptualErrors, perceptual_errors};
 pub use preset::Preset;
 pub use rgb::{Channels, Rgb};

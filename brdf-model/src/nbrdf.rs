@@ -14,12 +14,22 @@ const INPUTS: usize = 6;
 const HIDDEN: usize = 21;
 const OUTPUTS: usize = 3;
 
-/// A BRDF as a neural network of 675 weights; isotropic and reciprocal.
+/// A BRDF as a neural network of 675 weights; isotropic, and reciprocal unless its [`NbrdfDomain`] is the whole circle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nbrdf {
+    domain: NbrdfDomain,
     first: Layer<INPUTS, HIDDEN>,
     second: Layer<HIDDEN, HIDDEN>,
     last: Layer<HIDDEN, OUTPUTS>,
+}
+
+/// The difference vectors that a network is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NbrdfDomain {
+    /// Those with φd in [0, π), others turned there, which makes a network reciprocal: the published ones.
+    HalfCircle,
+    /// All, for materials that are not reciprocal.
+    WholeCircle,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +89,26 @@ impl Nbrdf {
         let mut flat = weights.iter().copied();
         let first = Layer::take(&mut flat);
         let second = Layer::take(&mut flat);
-        Ok(Self { first, second, last: Layer::take(&mut flat) })
+        let last = Layer::take(&mut flat);
+        Ok(Self { domain: NbrdfDomain::HalfCircle, first, second, last })
+    }
+
+    /// Returns the same network, to be given other difference vectors; [`Nbrdf::new`] takes the half circle.
+    #[must_use]
+    pub fn over(self, domain: NbrdfDomain) -> Self {
+        Self { domain, ..self }
+    }
+}
+
+impl NbrdfDomain {
+    /// Returns what a network is given for a pair: x, y and z of the half vector, turned to azimuth 0, and of the
+    /// difference vector.
+    pub fn input(self, pair: &DirectionPair) -> [f32; 6] {
+        let [h, d] = Parametrization::HalfDifference.isotropic_hemispheres(pair);
+        let is_turned = self == Self::HalfCircle && d.y < 0.0;
+        let side = if is_turned { -1.0 } else { 1.0 };
+        #[expect(clippy::cast_possible_truncation, reason = "the networks were trained in f32")]
+        [h.x, h.y, h.z, side * d.x, side * d.y, d.z].map(|v| v as f32)
     }
 }
 
@@ -88,10 +117,7 @@ impl Brdf for Nbrdf {
         if !is_lit(pair) {
             return Rgb::BLACK;
         }
-        let [h, d] = Parametrization::HalfDifference.isotropic_hemispheres(pair);
-        let side = if d.y < 0.0 { -1.0 } else { 1.0 };
-        #[expect(clippy::cast_possible_truncation, reason = "the networks were trained in f32")]
-        let input = [h.x, h.y, h.z, side * d.x, side * d.y, d.z].map(|v| v as f32);
+        let input = self.domain.input(pair);
         let rectified = |layer: [f32; HIDDEN]| layer.map(|v| v.max(0.0));
         let hidden = rectified(self.second.apply(rectified(self.first.apply(input))));
         Rgb::from(self.last.apply(hidden).map(|v| f64::from(v.exp_m1().max(0.0))))
@@ -118,6 +144,17 @@ mod tests {
         let pair = DirectionPair::from_angles(0.3, 1.0, 0.9, 2.7);
         let (a, b) = (network.eval(&pair).r, network.eval(&pair.swapped()).r);
         assert!((a - b).abs() < 1e-5 * (1.0 + a), "{a} against {b}");
+    }
+
+    #[test]
+    fn a_network_of_the_whole_circle_need_not_be_reciprocal() {
+        let weights: Vec<f32> = (0..675_u16).map(|i| (f32::from(i) * 0.7).sin() * 0.2).collect();
+        let network = Nbrdf::new(&weights).unwrap();
+        let pair = DirectionPair::from_angles(0.3, 1.0, 0.9, 2.7);
+        let whole = network.clone().over(NbrdfDomain::WholeCircle);
+        let (a, b) = (whole.eval(&pair), whole.eval(&pair.swapped()));
+        let half = network.eval(&pair);
+        assert!(a != b && (half == a || half == b), "{a:?}, {b:?}, {half:?}");
     }
 
     #[test]
