@@ -168,7 +168,7 @@ fn legend_rows(series: usize) -> f64 {
 }
 
 /// A shape of its own for each series, since colours alone are lost in greyscale.
-fn marker(index: usize, colour: RGBColor) -> PathElement<(i32, i32)> {
+pub(crate) fn marker(index: usize, colour: RGBColor) -> PathElement<(i32, i32)> {
     let outline: &[(i32, i32)] = match index % 6 {
         0 => &[(-3, -3), (3, -3), (3, 3), (-3, 3), (-3, -3)],
         1 => &[(0, -4), (4, 3), (-4, 3), (0, -4)],

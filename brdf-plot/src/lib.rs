@@ -3,7 +3,7 @@
 //! - [`plot_slices`] and [`plot_parametrizations`] show luminance over two coordinates.
 //! - [`plot_polar`] and [`plot_lobes`] show lobes, in the plane of incidence and in three dimensions.
 //! - [`plot_coverage`] shows where a measured material has data.
-//! - [`plot_curves`], [`plot_heat`] and [`plot_textures`] take values of any kind.
+//! - [`plot_curves`], [`plot_log_log`], [`plot_heat`] and [`plot_textures`] take values of any kind.
 //!
 //! Each returns a [`Plot`], which gives the SVG as text and, with the feature `raster`, a PNG as bytes.
 //!
@@ -29,6 +29,7 @@ mod curves;
 mod error;
 mod heat;
 mod lobe;
+mod log_log;
 mod parametrizations;
 mod plot;
 mod polar;
@@ -42,6 +43,7 @@ pub use curves::{Curves, Scale, Series, plot_curves};
 pub use error::PlotError;
 pub use heat::{Contours, Field, Heat, HeatScale, plot_heat};
 pub use lobe::plot_lobes;
+pub use log_log::plot_log_log;
 pub use parametrizations::{plot_parametrizations, plot_test_functions};
 pub use plot::Plot;
 pub use polar::plot_polar;

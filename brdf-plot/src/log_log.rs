@@ -1,0 +1,151 @@
+//! Curves over two axes that are divided by factors of ten: errors against bytes.
+
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use crate::colours::{FAINT, INK, series};
+use crate::curves::{Curves, marker, short};
+use crate::error::{PlotError, drawing};
+use crate::plot::{Plot, on_sheet};
+
+const PANEL: (u32, u32) = (460, 340);
+/// Room at both ends of an axis, as a factor.
+const MARGIN: f64 = 1.25;
+
+/// Plots panels of curves, `columns` side by side, with both axes divided by factors of ten; points that are not
+/// positive are left out, and `y_scale` is not looked at.
+///
+/// The legend stands in the lower left corner, which curves of errors against costs leave free. All panels have the
+/// same axes.
+///
+/// ```
+/// use brdf_plot::{Curves, Series, plot_log_log};
+///
+/// let series = Series::new("splines", vec![(1000.0, 0.03), (8192.0, 0.015)]);
+/// let panel = Curves { x: "bytes".to_owned(), series: vec![series], ..Curves::default() };
+/// assert!(plot_log_log(&[panel], 1)?.svg().contains("bytes"));
+/// # Ok::<(), brdf_plot::PlotError>(())
+/// ```
+///
+/// # Errors
+///
+/// [`PlotError::Nothing`] without a point that can be shown; [`PlotError::Drawing`].
+pub fn plot_log_log(panels: &[Curves], columns: usize) -> Result<Plot, PlotError> {
+    let columns = columns.clamp(1, panels.len().max(1));
+    let rows = panels.len().div_ceil(columns);
+    let wide = |count: usize, side: u32| u32::try_from(count).unwrap_or(1) * side;
+    let size = (wide(columns, PANEL.0), wide(rows, PANEL.1));
+    let points = || panels.iter().flat_map(|panel| &panel.series).flat_map(shown);
+    let ranges = range(points().map(|p| p.0)).zip(range(points().map(|p| p.1)));
+    let Some((across, along)) = ranges else {
+        return Err(PlotError::Nothing { what: "no point can be shown" });
+    };
+    on_sheet(size, |sheet, _| {
+        let areas = sheet.split_evenly((rows, columns));
+        panels
+            .iter()
+            .zip(&areas)
+            .try_for_each(|(panel, area)| draw(panel, area, across.clone(), along.clone()))
+    })
+}
+
+/// Points of a series that have a place.
+fn shown(series: &crate::Series) -> impl Iterator<Item = (f64, f64)> + '_ {
+    let is_positive = |v: f64| v > 0.0 && v.is_finite();
+    series.points.iter().copied().filter(move |&(x, y)| is_positive(x) && is_positive(y))
+}
+
+fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
+    let (low, high) = values.fold((f64::MAX, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+    (high > 0.0).then(|| low / MARGIN..high * MARGIN)
+}
+
+fn draw(
+    panel: &Curves,
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    across: Range<f64>,
+    along: Range<f64>,
+) -> Result<(), PlotError> {
+    let mut chart = ChartBuilder::on(area)
+        .margin(10)
+        .caption(&panel.title, ("sans-serif", 15).into_font().color(&INK))
+        .x_label_area_size(36)
+        .y_label_area_size(58)
+        .build_cartesian_2d(across.log_scale(), along.log_scale())
+        .map_err(|e| drawing(&e))?;
+    chart
+        .configure_mesh()
+        .bold_line_style(FAINT)
+        .light_line_style(TRANSPARENT)
+        .axis_style(INK)
+        .label_style(("sans-serif", 12).into_font().color(&INK))
+        .x_desc(&panel.x)
+        .y_desc(&panel.y)
+        .x_label_formatter(&|x| short(*x))
+        .y_label_formatter(&|y| short(*y))
+        .draw()
+        .map_err(|e| drawing(&e))?;
+    for (index, of) in panel.series.iter().enumerate() {
+        let colour = series(index);
+        chart
+            .draw_series(LineSeries::new(shown(of), colour.stroke_width(2)))
+            .map_err(|e| drawing(&e))?
+            .label(&of.label)
+            .legend(move |(x, y)| {
+                EmptyElement::at((x + 9, y))
+                    + PathElement::new(vec![(-9, 0), (9, 0)], colour.stroke_width(2))
+                    + marker(index, colour)
+            });
+        chart
+            .draw_series(shown(of).map(|at| EmptyElement::at(at) + marker(index, colour)))
+            .map_err(|e| drawing(&e))?;
+    }
+    if panel.series.len() > 1 {
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::LowerLeft)
+            .background_style(WHITE.mix(0.85))
+            .border_style(FAINT)
+            .label_font(("sans-serif", 12).into_font().color(&INK))
+            .draw()
+            .map_err(|e| drawing(&e))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Series;
+
+    fn panel(points: Vec<(f64, f64)>) -> Curves {
+        Curves { series: vec![Series::new("one", points)], ..Curves::default() }
+    }
+
+    /// Equal factors are equal steps: the middle point of three decades stands in the middle.
+    #[test]
+    fn equal_factors_are_equal_steps() {
+        let line = panel(vec![(10.0, 0.1), (100.0, 0.01), (1000.0, 0.001)]);
+        let plot = plot_log_log(&[line], 1).expect("three points");
+        let lines = plot.svg().lines().filter(|line| line.contains("<polyline"));
+        let drawn = lines.map(|line| line.split('"').nth(7).unwrap_or_default().to_owned());
+        let [a, b, c] = drawn
+            .map(|points| {
+                points
+                    .split_whitespace()
+                    .filter_map(|point| point.split(',').next()?.parse::<f64>().ok())
+                    .collect::<Vec<_>>()
+            })
+            .find_map(|xs| <[f64; 3]>::try_from(xs).ok())
+            .expect("the line of three points");
+        assert!(((b - a) - (c - b)).abs() <= 2.0, "{a}, {b}, {c}");
+    }
+
+    #[test]
+    fn points_that_are_not_positive_are_no_plot() {
+        let nothing = plot_log_log(&[panel(vec![(10.0, 0.0), (0.0, 1.0)])], 1);
+        assert!(matches!(nothing, Err(PlotError::Nothing { .. })));
+    }
+}
