@@ -83,8 +83,8 @@ fn draw(
         .label_style(("sans-serif", 12).into_font().color(&INK))
         .x_desc(&panel.x)
         .y_desc(&panel.y)
-        .x_label_formatter(&|x| short(*x))
-        .y_label_formatter(&|y| short(*y))
+        .x_label_formatter(&|x| decade(*x))
+        .y_label_formatter(&|y| decade(*y))
         .draw()
         .map_err(|e| drawing(&e))?;
     for (index, of) in panel.series.iter().enumerate() {
@@ -113,6 +113,11 @@ fn draw(
             .map_err(|e| drawing(&e))?;
     }
     Ok(())
+}
+
+/// A power of ten, written out while that is short.
+fn decade(value: f64) -> String {
+    if (1.0..1e7).contains(&value) { format!("{value:.0}") } else { short(value) }
 }
 
 #[cfg(test)]

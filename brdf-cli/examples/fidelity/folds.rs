@@ -26,7 +26,7 @@ pub(crate) fn print_folds(files: &[MaterialFile], methods: &[Method]) -> anyhow:
             let start = Instant::now();
             let model = method.fit(&material)?;
             let errors = match &model {
-                Model::Fit(fit) if method.judges_folds() => fit.held_out().copied(),
+                Model::Fit(fit) if fit.held_out().is_some() => fit.held_out().copied(),
                 _ => over_folds(&material, method)?,
             };
             let seconds = start.elapsed().as_secs_f64();

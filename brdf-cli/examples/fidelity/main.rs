@@ -89,8 +89,7 @@ fn main() -> anyhow::Result<()> {
     print_header();
     let mut all: Vec<Vec<Row>> = Vec::new();
     for file in &dense {
-        let rows = methods.iter().map(|method| measure(file, method));
-        let rows: Vec<Row> = rows.collect::<anyhow::Result<_>>()?;
+        let rows = measure(file, &methods)?;
         for row in &rows {
             print_row(&file.short_name(), row);
         }

@@ -73,11 +73,6 @@ impl Method {
             }
         })
     }
-
-    /// Whether the whole fit is by `brdf_fit::fit`, which judges scattered rows by folds itself.
-    pub(crate) fn judges_folds(&self) -> bool {
-        matches!(self.way, Way::Fit(_))
-    }
 }
 
 /// Every method at its sizes.

@@ -11,7 +11,7 @@ use crate::table::Row;
 
 /// Materials that are shown.
 const SHOWN: usize = 5;
-const VIEW: SphereView = SphereView { size: 200, samples: 240 };
+const VIEW: SphereView = SphereView { size: 200, samples: 480 };
 /// Lights, one beneath the other.
 const LIGHTS: [&str; 2] = ["point", "studio"];
 

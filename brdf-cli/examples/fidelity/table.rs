@@ -24,23 +24,35 @@ pub(crate) struct Row {
     pub(crate) studio: f64,
 }
 
-/// Fits a material by one method, and judges the model.
-pub(crate) fn measure(file: &MaterialFile, method: &Method) -> anyhow::Result<Row> {
+/// Fits a material by every method, and judges the models.
+pub(crate) fn measure(file: &MaterialFile, methods: &[Method]) -> anyhow::Result<Vec<Row>> {
     let material = file.material();
-    let start = Instant::now();
-    let model = method.fit(&material)?;
-    let seconds = start.elapsed().as_secs_f64();
-    let fidelity =
-        FidelityPairs::new(SEED, 80_f64.to_radians()).measure(material.brdf(), model.brdf());
+    let judge = FidelityPairs::new(SEED, 80_f64.to_radians());
+    let mut rows = Vec::new();
+    for method in methods {
+        let start = Instant::now();
+        let model = method.fit(&material)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let fidelity = judge.measure(material.brdf(), model.brdf());
+        let Method { name, family, is_shown, .. } = *method;
+        rows.push(Row { name, family, is_shown, model, seconds, fidelity, studio: 0.0 });
+    }
     let studio = metric_lights(None)?.into_iter().filter(|(name, _)| name == "studio");
     let settings =
         CompareSettings { samples: 1000, lights: studio.collect(), ..CompareSettings::default() };
-    let label = method.name.to_owned();
-    let candidate = Candidate { label, brdf: model.brdf(), bytes: model.bytes() };
-    let compared = compare(&material, &[candidate], &settings, &Job::new())?;
-    let studio = compared.results[0].pictures.first().map_or(0.0, |p| p.errors.delta_e_itp);
-    let Method { name, family, is_shown, .. } = *method;
-    Ok(Row { name, family, is_shown, model, seconds, fidelity, studio })
+    let candidates: Vec<Candidate<'_>> = rows
+        .iter()
+        .map(|row| Candidate {
+            label: row.name.to_owned(),
+            brdf: row.model.brdf(),
+            bytes: row.model.bytes(),
+        })
+        .collect();
+    let compared = compare(&material, &candidates, &settings, &Job::new())?;
+    for (row, result) in rows.iter_mut().zip(&compared.results) {
+        row.studio = result.pictures.first().map_or(0.0, |p| p.errors.delta_e_itp);
+    }
+    Ok(rows)
 }
 
 pub(crate) fn print_header() {
