@@ -11,14 +11,15 @@ use crate::error::{PlotError, drawing};
 use crate::plot::{Plot, on_sheet};
 
 const PANEL: (u32, u32) = (460, 340);
-/// Room at both ends of an axis, as a factor.
+/// Room at both ends of an axis, as a factor, and more of it at the lower end of y, for the legend.
 const MARGIN: f64 = 1.25;
+const BELOW: f64 = 1.6;
 
 /// Plots panels of curves, `columns` side by side, with both axes divided by factors of ten; points that are not
 /// positive are left out, and `y_scale` is not looked at.
 ///
-/// The legend stands in the lower left corner, which curves of errors against costs leave free. All panels have the
-/// same axes.
+/// All panels have the same axes and, for what it matters to the legend, the same series. It stands in the lower left
+/// corner of the first one, which curves of errors against costs leave free.
 ///
 /// ```
 /// use brdf_plot::{Curves, Series, plot_log_log};
@@ -39,15 +40,16 @@ pub fn plot_log_log(panels: &[Curves], columns: usize) -> Result<Plot, PlotError
     let size = (wide(columns, PANEL.0), wide(rows, PANEL.1));
     let points = || panels.iter().flat_map(|panel| &panel.series).flat_map(shown);
     let ranges = range(points().map(|p| p.0)).zip(range(points().map(|p| p.1)));
-    let Some((across, along)) = ranges else {
+    let Some((across, mut along)) = ranges else {
         return Err(PlotError::Nothing { what: "no point can be shown" });
     };
+    along.start /= BELOW;
     on_sheet(size, |sheet, _| {
         let areas = sheet.split_evenly((rows, columns));
-        panels
-            .iter()
-            .zip(&areas)
-            .try_for_each(|(panel, area)| draw(panel, area, across.clone(), along.clone()))
+        panels.iter().zip(&areas).enumerate().try_for_each(|(index, (panel, area))| {
+            let legend = if index == 0 { Legend::Shown } else { Legend::LeftOut };
+            draw(panel, area, across.clone(), along.clone(), legend)
+        })
     })
 }
 
@@ -62,11 +64,18 @@ fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     (high > 0.0).then(|| low / MARGIN..high * MARGIN)
 }
 
+#[derive(Clone, Copy, PartialEq)]
+enum Legend {
+    Shown,
+    LeftOut,
+}
+
 fn draw(
     panel: &Curves,
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     across: Range<f64>,
     along: Range<f64>,
+    legend: Legend,
 ) -> Result<(), PlotError> {
     let mut chart = ChartBuilder::on(area)
         .margin(10)
@@ -102,7 +111,7 @@ fn draw(
             .draw_series(shown(of).map(|at| EmptyElement::at(at) + marker(index, colour)))
             .map_err(|e| drawing(&e))?;
     }
-    if panel.series.len() > 1 {
+    if legend == Legend::Shown && panel.series.len() > 1 {
         chart
             .configure_series_labels()
             .position(SeriesLabelPosition::LowerLeft)
