@@ -7,7 +7,10 @@ use brdf_factor::{
     Preinverted, Problem, TermSolve, Weight, factorize,
 };
 use brdf_job::Job;
-use brdf_model::{Channels, PairSampling, SampleSet, largest_albedo, summarize};
+use brdf_model::{
+    Channels, Fidelity, FidelityPairs, PairSampling, SampleSet, ScrambledSobol, largest_albedo,
+    summarize,
+};
 use brdf_param::{Bound, Projection, Space};
 use rayon::prelude::*;
 
@@ -283,6 +286,8 @@ pub struct FactoredFit {
     pub rows: usize,
     /// Largest directional albedos within the grazing limit.
     pub albedo: Albedo,
+    /// Of the model with the most terms, over held-out pairs away from the highlight and in it; none for scattered rows.
+    pub fidelity: Option<Fidelity>,
     /// How the model was made.
     pub method: Method,
     /// Name of the material.
@@ -442,6 +447,11 @@ pub fn fit_factored(
             .then(|| largest_albedo(channels.of(material.brdf()).as_ref(), model.theta_max()).0),
         model: largest_albedo(model, model.theta_max()).0,
     };
+    let fidelity = material.samples().is_none().then(|| {
+        let seed = ScrambledSobol::held_out_seed(record.seed);
+        let pairs = FidelityPairs::new(seed, record.params.theta_max);
+        pairs.measure(&*channels.of(material.brdf()), model)
+    });
     let searched = found.as_ref().map_or(0, |f| f.tried.iter().map(|t| t.evaluations).sum());
     let asked = record.search.as_ref().map_or(0, |search| search.terms);
     let mut fit = FactoredFit {
@@ -457,6 +467,7 @@ pub fn fit_factored(
         seconds,
         rows: training.rows.len(),
         albedo,
+        fidelity,
         method: settings.method.name(),
         name: material.name().to_owned(),
         channels,

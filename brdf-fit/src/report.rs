@@ -57,6 +57,8 @@ pub struct FactoredReport {
     pub channels: Channels,
     /// How the linear system was solved.
     pub solve: SolveReport,
+    /// Of the model with the most terms, away from the highlight and in it; none for scattered rows.
+    pub fidelity: Option<Fidelity>,
     /// What evaluating the model on the pairs of a whole hemisphere does.
     pub evaluation: FactoredEvaluation,
     /// The settings that were used.
@@ -142,6 +144,7 @@ impl FactoredFit {
             bytes: fit.model.payload_bytes(),
             albedo: self.albedo,
             channels: self.channels,
+            fidelity: self.fidelity,
             solve: SolveReport {
                 solver: fit.solver,
                 unknowns: fit.unknowns,

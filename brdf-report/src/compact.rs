@@ -1,15 +1,16 @@
 //! The folder of results of a compact model.
 
 use brdf_fit::{CompactFit, CompactReport, Makeup, Material};
-use brdf_model::FidelityErrors;
 use maud::{Markup, html};
 
 use crate::error::ReportError;
+use crate::fidelity::fidelity_table;
 use crate::figures::slices;
 use crate::files::ResultFile;
 use crate::numbers::{bytes, or_dash, significant};
 use crate::page::{document, slices_section};
 use crate::spheres::SpherePair;
+use crate::tried::tried_section;
 
 /// Returns the files beside the model in a folder of results: `spheres.png`, `report.html` and `report.json`. The page
 /// quotes `command` as what made it.
@@ -37,6 +38,7 @@ pub fn compact_files(
             (spheres.section())
             (slices_section(slices.as_ref()))
             (errors(report))
+            (tried_section(&fit.notes)?)
             h2 { "What the model is" }
             pre { (serde_json::to_string_pretty(&report.makeup).unwrap_or_default()) }
             ul { @for note in &report.notes { li { (note) } } }
@@ -64,27 +66,10 @@ pub(crate) fn makeup_text(makeup: &Makeup) -> String {
     }
 }
 
-/// The errors of a [`Fidelity`](brdf_model::Fidelity), in the order of [`FidelityErrors::all`].
-const MEASURES: [&str; 4] =
-    ["ln(1 + f cosθi), RMS", "∛(f cosθi), RMS", "f, cosine-weighted, relative", "ln(a + f), RMS"];
-
 fn errors(report: &CompactReport) -> Markup {
-    let rows = |uniform: FidelityErrors, highlight: FidelityErrors| {
-        MEASURES.into_iter().zip(uniform.all()).zip(highlight.all())
-    };
     html! {
         h2 { "Errors on pairs that were not fitted" }
-        @if let Some(fidelity) = report.fidelity {
-            table {
-                tr { th { "error of" } th { "uniform pairs" } th { "half at the highlight" } }
-                @for ((name, uniform), highlight) in rows(fidelity.uniform, fidelity.highlight) {
-                    tr {
-                        td { (name) } td { (significant(uniform)) } td { (significant(highlight)) }
-                    }
-                }
-            }
-            p { "Geometric mean of the eight: " (or_dash(report.score)) "." }
-        }
+        (fidelity_table(report.fidelity))
         p {
             "Mean square log error: " (or_dash(report.held_out.map(|e| e.log.mean_square)))
             " held out"

@@ -9,12 +9,14 @@ use brdf_plot::Plot;
 use maud::{Markup, PreEscaped, html};
 
 use crate::error::ReportError;
+use crate::fidelity::fidelity_table;
 use crate::figures::{error_chart, slices};
 use crate::files::ResultFile;
 use crate::numbers::{bytes, or_dash, significant};
 use crate::page::{document, picture, slices_section};
 use crate::spheres::{SMALL_SPHERE, SPHERE_SIZE, SpherePair, small_spheres, sphere_png};
 use crate::texture_view::texture_view;
+use crate::tried::tried_section;
 
 /// The pictures of a report, as PNG bytes.
 struct Pictures {
@@ -64,7 +66,7 @@ pub fn factored_files(
     let pictures = Pictures::new(material, fit)?;
     let mut files = vec![ResultFile::new("spheres.png", pictures.spheres.png.clone())];
     files.extend(texture_files(&pictures.factors));
-    let page = page(material.name(), report, fit, &pictures, command);
+    let page = page(material.name(), report, fit, &pictures, command)?;
     files.push(ResultFile::new("report.html", page.into_bytes()));
     files.push(ResultFile::json("report.json", report)?);
     Ok(files)
@@ -118,8 +120,8 @@ fn page(
     fit: &FactoredFit,
     pictures: &Pictures,
     command: &str,
-) -> String {
-    document(
+) -> Result<String, ReportError> {
+    Ok(document(
         &format!("{name}, factored"),
         &html! {
             p {
@@ -130,6 +132,7 @@ fn page(
             (pictures.spheres.section())
             (slices_section(pictures.slices.as_ref()))
             (errors(report))
+            (tried_section(&fit.notes)?)
             (search(report, pictures))
             (textures(fit, pictures))
             (samples(report))
@@ -138,7 +141,7 @@ fn page(
             h2 { "Settings" }
             pre { (serde_json::to_string_pretty(&report.settings).unwrap_or_default()) }
         },
-    )
+    ))
 }
 
 fn errors(report: &FactoredReport) -> Markup {
@@ -163,6 +166,7 @@ fn errors(report: &FactoredReport) -> Markup {
             "in sr⁻²). Mean absolute, mean square, maximum; over RGB, means are means over "
             "channels. Held-out samples were not fitted."
         }
+        (fidelity_table(report.fidelity))
         p {
             "Largest directional albedo within the grazing limit: model " (significant(albedo.model))
             ", reference " (or_dash(albedo.reference))

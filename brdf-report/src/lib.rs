@@ -8,6 +8,7 @@ mod btf_text;
 mod compact;
 mod error;
 mod factored;
+mod fidelity;
 mod figures;
 mod files;
 mod notes;
@@ -24,6 +25,7 @@ mod spheres;
 mod study;
 mod text;
 mod texture_view;
+mod tried;
 
 pub use btf_text::{
     brdf_comparison_text, breakdown_text, compress_text, facts_text, rate_text, speed_text,

@@ -12,6 +12,7 @@ use brdf_paint::PaintReport;
 use brdf_study::{STUDIED, StudyReport};
 
 use crate::compact::makeup_text;
+use crate::fidelity::fidelity_line;
 use crate::numbers::{bytes, or_dash, percent, significant};
 
 /// Returns what was written.
@@ -261,6 +262,9 @@ fn write_factored(name: &str, report: &FactoredReport, out: &mut String) -> fmt:
             held_out(mccool)
         )?;
     }
+    if let Some(fidelity) = &report.fidelity {
+        writeln!(out, "{}", fidelity_line(fidelity))?;
+    }
     writeln!(
         out,
         "largest albedo {}, reference {}",
@@ -319,15 +323,8 @@ fn write_compact(name: &str, report: &CompactReport, out: &mut String) -> fmt::R
         bytes(report.bytes),
         significant(report.seconds)
     )?;
-    if let Some(fidelity) = report.fidelity {
-        writeln!(
-            out,
-            "log-cosine RMS {}, {} at the highlight; relative RMS {}, {} at the highlight; held out",
-            significant(fidelity.uniform.log_cosine),
-            significant(fidelity.highlight.log_cosine),
-            significant(fidelity.uniform.cosine_relative),
-            significant(fidelity.highlight.cosine_relative)
-        )?;
+    if let Some(fidelity) = &report.fidelity {
+        writeln!(out, "{}", fidelity_line(fidelity))?;
     }
     let log = |errors: &FitErrors| errors.log.mean_square;
     if let Some(training) = &report.training {

@@ -2,8 +2,8 @@
 
 use brdf_fit::{
     CompactMethod, CompactSettings, FactorModel, FactorModelSettings, FactoredMethod,
-    FactoredSettings, Fit, FitSettings, LogChoice, Material, NetworkSettings, SearchSettings,
-    SeparableMethod, SeparableSettings, fit, fit_factor_model, train_network,
+    FactoredSettings, Fit, FitSettings, IsotropicSettings, LogChoice, Material, NetworkSettings,
+    SearchSettings, SeparableMethod, SeparableSettings, fit, fit_factor_model, train_network,
 };
 use brdf_job::Job;
 use brdf_model::{Brdf, Nbrdf};
@@ -97,6 +97,11 @@ pub(crate) fn methods(with_search: bool, with_networks: bool) -> Vec<Method> {
     add("factor model", "factor model", true, Way::FactorModel);
     if with_networks {
         add("network", "network", true, Way::Network);
+    }
+    for (name, bytes) in [("angles 2.7k", 2_700), ("angles 8k", 8_192), ("angles 34k", 34_560)] {
+        let angles = IsotropicSettings { bytes, ..IsotropicSettings::default() };
+        let settings = FactoredSettings::of(FactoredMethod::Isotropic(angles));
+        add(name, "angles", bytes == 8_192, Way::Fit(FitSettings::Factored(settings)));
     }
     for (name, size) in [("McCool 10²", 10), ("McCool 18²", 18), ("McCool 38²", 38)] {
         let mccool = FactoredSettings::of(FactoredMethod::McCool);
