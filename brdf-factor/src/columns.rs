@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use crate::coordinate::{Reading, locate_angles};
+use crate::coordinate::{PairPlace, Reading, locate_angles};
 use crate::grid::cell;
 use crate::{Coordinate, Factor, FactorDescription, Grid, Problem};
 
@@ -473,7 +473,7 @@ fn taps(
         Reading::Radial(_) => problem
             .pairs()
             .map(|pair| {
-                let place = coordinate.locate(&pair, factor.extent()).x;
+                let place = coordinate.locate(&PairPlace::new(&pair), factor.extent()).x;
                 let (low, u) = cell(place * (columns - 1) as f64, columns);
                 Tap { low: unknown(low), high: unknown(low), u, v: 0.0 }
             })

@@ -1,5 +1,7 @@
 //! Coordinates: the place at which a factor reads its texture for a pair of directions.
 
+use std::cell::OnceCell;
+
 use brdf_param::{
     Bound, DirectionPair, DiscRadii, HemisphereMap, KautzMcCool, Projection, ScaledProjection,
     Space,
@@ -206,7 +208,8 @@ impl Coordinate {
     }
 
     /// Texture coordinates of a pair: ([0, 1], 0) for radial coordinates, else [−1, 1]².
-    pub(crate) fn locate(&self, pair: &DirectionPair, extent: DVec2) -> DVec2 {
+    pub(crate) fn locate(&self, place: &PairPlace<'_>, extent: DVec2) -> DVec2 {
+        let pair = place.pair;
         match self.reading() {
             Reading::Radial(radial) => DVec2::new(radial.value(pair) / extent.x, 0.0),
             Reading::Planar(Plane { fixed: None, space, projection }) => {
@@ -217,7 +220,7 @@ impl Coordinate {
                 plane.half_point(half, pair) / extent
             }
             Reading::Isotropic { axes, swapped } => {
-                locate_angles(&axes, swapped, Angles::from_pair(pair), extent)
+                locate_angles(&axes, swapped, place.angles(), extent)
             }
         }
     }
@@ -228,6 +231,22 @@ impl Coordinate {
             Self::Isotropic { axes, .. } => joined_texels(axes, grid),
             _ => Vec::new(),
         }
+    }
+}
+
+/// A pair whose angles are found once, by the first coordinate that needs them.
+pub(crate) struct PairPlace<'a> {
+    pub(crate) pair: &'a DirectionPair,
+    angles: OnceCell<Angles>,
+}
+
+impl<'a> PairPlace<'a> {
+    pub(crate) fn new(pair: &'a DirectionPair) -> Self {
+        Self { pair, angles: OnceCell::new() }
+    }
+
+    fn angles(&self) -> Angles {
+        *self.angles.get_or_init(|| Angles::from_pair(self.pair))
     }
 }
 

@@ -8,6 +8,7 @@ use brdf_param::{Bound, DirectionPair, DiscRadii};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::coordinate::PairPlace;
 use crate::{Axis, ChannelTransform, Coordinate, FactorError, Grid};
 
 /// The description of a factor: everything but its texels.
@@ -188,7 +189,7 @@ impl Factor {
 
     /// Calls `tap` with the texels and weights that make up this factor's log value, over all its
     /// coordinates.
-    pub(crate) fn for_each_tap(&self, pair: &DirectionPair, mut tap: impl FnMut(usize, f64)) {
+    pub(crate) fn for_each_tap(&self, pair: &PairPlace<'_>, mut tap: impl FnMut(usize, f64)) {
         for coordinate in &self.description.coordinates {
             let point = coordinate.locate(pair, self.description.extent);
             self.description.grid.taps(point).iter().for_each(|(texel, weight)| tap(texel, weight));
@@ -196,14 +197,14 @@ impl Factor {
     }
 
     /// The coordinates of a pair all lie on the texture.
-    fn holds(&self, pair: &DirectionPair) -> bool {
+    fn holds(&self, pair: &PairPlace<'_>) -> bool {
         self.description
             .coordinates
             .iter()
             .all(|c| self.description.grid.holds(c.locate(pair, self.description.extent)))
     }
 
-    fn add_log_value(&self, pair: &DirectionPair, sum: &mut [f64; 3]) {
+    fn add_log_value(&self, pair: &PairPlace<'_>, sum: &mut [f64; 3]) {
         self.for_each_tap(pair, |texel, weight| {
             for (total, &value) in sum.iter_mut().zip(&self.texels[texel]) {
                 *total += weight * f64::from(value);
@@ -333,8 +334,9 @@ impl FactoredBrdf {
     /// Returns the log value of each channel, before the inverse log map; unused channels are 0.
     pub fn log_values(&self, pair: &DirectionPair) -> [f64; 3] {
         let pair = self.pulled_back(pair);
+        let place = PairPlace::new(&pair);
         let mut sum = [0.0; 3];
-        self.factors.iter().for_each(|factor| factor.add_log_value(&pair, &mut sum));
+        self.factors.iter().for_each(|factor| factor.add_log_value(&place, &mut sum));
         sum
     }
 
@@ -346,7 +348,8 @@ impl FactoredBrdf {
         for pair in pairs.into_iter().filter(|pair| pair.wi.z > 0.0 && pair.wo.z > 0.0) {
             let pulled = self.pulled_back(&pair);
             counts.pulled_back += usize::from(pulled != pair);
-            counts.outside_texture += usize::from(!self.factors.iter().all(|f| f.holds(&pulled)));
+            let place = PairPlace::new(&pulled);
+            counts.outside_texture += usize::from(!self.factors.iter().all(|f| f.holds(&place)));
             let value = self.eval_unclamped(&pair);
             let channels = &value.channels()[..self.maps.len()];
             counts.clamped_below_zero += usize::from(channels.iter().any(|&v| v < 0.0));

@@ -4,6 +4,7 @@ use brdf_factor::Spacing;
 use brdf_job::Job;
 use brdf_model::{ANISOTROPIC, anisotropy};
 use brdf_spline::SPLINE_BYTES;
+use rayon::prelude::*;
 
 use crate::compact::{CompactMethod, CompactSettings, fit_compact};
 use crate::error::FitError;
@@ -77,20 +78,30 @@ pub fn fit_auto(
     let mut tried: Vec<TriedModel> = Vec::new();
     let mut best: Option<(f64, Fit)> = None;
     for (step, job) in steps.iter().zip(job.split_into(&vec![1.0; steps.len()])) {
-        for (candidate, job) in step.iter().zip(job.split_into(&vec![1.0; step.len()])) {
-            let found = match candidate.fit(material, &job) {
+        // Side by side, as most of them keep one thread busy; what is chosen does not depend on it.
+        let jobs = job.split_into(&vec![1.0; step.len()]);
+        let error_of = |found: &Fit| match &judge {
+            Some(judge) => judge.error(found.brdf()),
+            None => {
+                let errors = found.held_out().or_else(|| found.training());
+                errors.map_or(f64::INFINITY, row_error)
+            }
+        };
+        let found: Vec<Result<(f64, Fit), FitError>> = step
+            .par_iter()
+            .zip(jobs.into_par_iter())
+            .map(|(candidate, job)| {
+                let found = candidate.fit(material, &job)?;
+                Ok((error_of(&found), found))
+            })
+            .collect();
+        for found in found {
+            let (error, found) = match found {
                 Ok(found) => found,
                 // A method that cannot take the material is no candidate, unless there is no other.
                 Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
                 Err(error) if step.len() == 1 => return Err(error),
                 Err(_) => continue,
-            };
-            let error = match &judge {
-                Some(judge) => judge.error(found.brdf()),
-                None => {
-                    let errors = found.held_out().or_else(|| found.training());
-                    errors.map_or(f64::INFINITY, row_error)
-                }
             };
             let model = TriedModel { method: found.method(), bytes: found.bytes(), error };
             if !tried.contains(&model) {

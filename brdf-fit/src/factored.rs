@@ -146,7 +146,10 @@ const HIGHLIGHT_SHARE: f64 = 0.28;
 impl FactoredSettings {
     /// Returns the usual settings of a method.
     pub fn of(method: FactoredMethod) -> Self {
-        let is_isotropic = matches!(method, FactoredMethod::Isotropic(_));
+        let (is_isotropic, samples) = match &method {
+            FactoredMethod::Isotropic(angles) => (true, angles.samples()),
+            _ => (false, 45_000),
+        };
         Self {
             method,
             texture_size: None,
@@ -157,8 +160,7 @@ impl FactoredSettings {
             weight: if is_isotropic { Weight::Fidelity } else { Weight::Log },
             reciprocity: Reciprocity::On,
             clamp: true,
-            // Between the texels of twice as many pairs less is left to smoothing.
-            samples: if is_isotropic { 90_000 } else { 45_000 },
+            samples,
             highlight: if is_isotropic { HIGHLIGHT_SHARE } else { 0.0 },
             seed: 1,
             replicate: None,

@@ -51,6 +51,13 @@ impl IsotropicSettings {
     const SPACINGS: [Spacing; 3] =
         [Spacing::Linear, Spacing::Power { exponent: 0.75 }, Spacing::Power { exponent: 0.5 }];
 
+    /// Returns the number of pairs that so many texels are fitted to well: 32 for each, from 20,000 to 90,000.
+    pub fn samples(&self) -> u32 {
+        const TEXEL_BYTES: usize = 12;
+        let pairs = (32 * (self.bytes / TEXEL_BYTES)).clamp(20_000, 90_000);
+        u32::try_from(pairs).unwrap_or(u32::MAX)
+    }
+
     /// The factors of a choice.
     fn specs(
         &self,
