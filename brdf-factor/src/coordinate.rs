@@ -118,7 +118,7 @@ impl Coordinate {
             }
             Self::Isotropic { axes, swapped } => {
                 let is_own = axes.iter().all(|axis| axis.angle.is_reciprocal());
-                Self::Isotropic { axes, swapped: swapped != !is_own }
+                Self::Isotropic { axes, swapped: swapped == is_own }
             }
         }
     }

@@ -34,7 +34,7 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Factor(factor::Factor),
+    Factor(Box<factor::Factor>),
     Info(info::Info),
     Compare(compare::Compare),
     Render(render::Render),
