@@ -88,18 +88,27 @@ impl IsotropicPairs {
     }
 }
 
-/// Grids of these proportions with at most so many texels in all.
+/// The largest grids of these proportions with at most so many texels in all.
 fn scaled(sizes: &[[usize; 2]], texels: usize) -> impl Iterator<Item = Grid> {
-    let all: usize = sizes.iter().map(|[columns, rows]| columns * rows).sum();
-    let scale = (texels as f64 / all as f64).sqrt();
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a positive number of texels"
     )]
-    let side = move |side: usize| {
-        let scaled = (scale * side as f64) as usize;
+    let side = |side: usize, scale: f64| {
+        let scaled = (scale * side as f64).round() as usize;
         scaled.clamp(*Grid::SIZES.start(), *Grid::SIZES.end())
     };
-    sizes.iter().map(move |&[columns, rows]| Grid { columns: side(columns), rows: side(rows) })
+    let grid = move |[columns, rows]: [usize; 2], scale: f64| Grid {
+        columns: side(columns, scale),
+        rows: side(rows, scale),
+    };
+    let all = |scale: f64| sizes.iter().map(|&size| grid(size, scale).texels()).sum::<usize>();
+    // Sizes grow with the scale, so that halving finds the largest that is not too large.
+    let (mut low, mut high) = (0.0, *Grid::SIZES.end() as f64);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if all(middle) <= texels { low = middle } else { high = middle }
+    }
+    sizes.iter().map(move |&size| grid(size, low))
 }

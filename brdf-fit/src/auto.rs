@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::compact::{CompactMethod, CompactSettings, fit_compact};
 use crate::error::FitError;
-use crate::factored::{FactoredMethod, FactoredSettings, fit_factored, mccool_size};
+use crate::factored::{FactoredMethod, FactoredSettings, Reciprocity, fit_factored, mccool_size};
 use crate::fitted::Fit;
 use crate::isotropic::IsotropicSettings;
 use crate::judge::{Judge, row_error};
@@ -159,12 +159,13 @@ fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
         })
     };
     let bytes = bytes.clamp(*SPLINE_BYTES.start(), *SPLINE_BYTES.end());
-    let textures = |method, texture_size| {
+    let textures = |method, texture_size, reciprocity| {
         Candidate::Factored(Box::new(FactoredSettings {
             texture_size,
             theta_max: common.theta_max,
             seed: common.seed,
             channels: common.channels,
+            reciprocity,
             ..FactoredSettings::of(method)
         }))
     };
@@ -175,7 +176,7 @@ fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
         compact(CompactMethod::Spline { bytes }),
         compact(CompactMethod::Ggx { lobes: 1 }),
         compact(CompactMethod::Ggx { lobes: 2 }),
-        textures(FactoredMethod::Isotropic(angles), None),
-        textures(FactoredMethod::McCool, Some(mccool_size(bytes))),
+        textures(FactoredMethod::Isotropic(angles), None, Reciprocity::Auto),
+        textures(FactoredMethod::McCool, Some(mccool_size(bytes)), Reciprocity::On),
     ]
 }

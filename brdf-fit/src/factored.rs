@@ -355,12 +355,13 @@ pub fn fit_factored(
     job: &Job<'_>,
 ) -> Result<FactoredFit, FitError> {
     let reciprocal = settings.reciprocity.candidates();
-    let is_search = matches!(settings.method, FactoredMethod::Search(_));
-    if !is_search && reciprocal.len() > 1 {
+    let can_choose =
+        matches!(settings.method, FactoredMethod::Search(_) | FactoredMethod::Isotropic(_));
+    if !can_choose && reciprocal.len() > 1 {
         return Err(FitError::Setting {
             setting: "reciprocity",
             value: "auto",
-            expected: "on or off; a search alone can choose",
+            expected: "on or off; a search or textures over angles can choose",
         });
     }
     let channels = settings.channels.unwrap_or(material.channels());
@@ -391,8 +392,9 @@ pub fn fit_factored(
     let mut tried = Vec::new();
     let specs = match &settings.method {
         FactoredMethod::Isotropic(angles) => {
-            let (specs, others) =
-                angles.choose(material, &training, channels, &record, &searching)?;
+            let (specs, is_reciprocal, others) =
+                angles.choose(material, &training, channels, reciprocal, &record, &searching)?;
+            record.reciprocal = is_reciprocal;
             tried = others;
             vec![specs]
         }

@@ -41,6 +41,8 @@ pub struct TriedPairs {
     pub pairs: IsotropicPairs,
     /// How texels are spaced along θh.
     pub spacing: Spacing,
+    /// Whether light and viewer share textures.
+    pub reciprocal: bool,
     /// What choices are made by: [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs, or for scattered
     /// rows the geometric mean of log and linear error over a tenth set aside.
     pub error: f64,
@@ -73,24 +75,28 @@ impl IsotropicSettings {
         pairs.specs(spacing, self.bytes / (VALUE_BYTES * values), reciprocal)
     }
 
-    /// Returns the factors that suit a material best, and what was tried; nothing where there is no choice.
+    /// Returns the factors that suit a material best, whether they are reciprocal, and what was tried: nothing where
+    /// there is no choice.
     pub(crate) fn choose(
         &self,
         material: &Material<'_>,
         training: &Training,
         channels: Channels,
+        reciprocal: &[bool],
         record: &FitSettingsRecord,
         job: &Job<'_>,
-    ) -> Result<(Vec<FactorSpec>, Vec<TriedPairs>), FitError> {
+    ) -> Result<(Vec<FactorSpec>, bool, Vec<TriedPairs>), FitError> {
         let all_pairs = self.pairs.map_or(IsotropicPairs::ALL.to_vec(), |pairs| vec![pairs]);
         let spacings = self.spacing.map_or(Self::SPACINGS.to_vec(), |spacing| vec![spacing]);
-        let choices: Vec<(IsotropicPairs, Spacing)> = all_pairs
-            .into_iter()
-            .flat_map(|pairs| spacings.iter().map(move |&spacing| (pairs, spacing)))
-            .collect();
-        let specs = |(pairs, spacing)| self.specs(pairs, spacing, channels, record.reciprocal);
+        let mut choices = Vec::new();
+        for &reciprocal in reciprocal {
+            for &pairs in &all_pairs {
+                choices.extend(spacings.iter().map(|&spacing| (pairs, spacing, reciprocal)));
+            }
+        }
+        let specs = |(pairs, spacing, reciprocal)| self.specs(pairs, spacing, channels, reciprocal);
         if let [only] = choices[..] {
-            return Ok((specs(only), Vec::new()));
+            return Ok((specs(only), only.2, Vec::new()));
         }
         let trial = Trial::new(material, training, channels, record)?;
         job.begin("choosing angles", choices.len() as u64);
@@ -98,15 +104,24 @@ impl IsotropicSettings {
             .par_iter()
             .map(|&choice| {
                 job.check()?;
-                let (pairs, spacing) = choice;
+                let (pairs, spacing, reciprocal) = choice;
                 let error = trial.error(&specs(choice))?;
                 job.advance(1);
-                Ok(TriedPairs { pairs, spacing, error })
+                Ok(TriedPairs { pairs, spacing, reciprocal, error })
             })
             .collect::<Result<_, FitError>>()?;
-        let best = tried.iter().min_by(|a, b| a.error.total_cmp(&b.error));
-        let best = best.map_or(choices[0], |best| (best.pairs, best.spacing));
-        Ok((specs(best), tried))
+        let best = tried.iter().min_by(|a, b| a.handicapped().total_cmp(&b.handicapped()));
+        let best = best.map_or(choices[0], |best| (best.pairs, best.spacing, best.reciprocal));
+        Ok((specs(best), best.2, tried))
+    }
+}
+
+impl TriedPairs {
+    /// The error by which choices are compared: renderers rely on reciprocity, so that a model without it has to be
+    /// better by more than chance.
+    fn handicapped(&self) -> f64 {
+        const WITHOUT_RECIPROCITY: f64 = 1.05;
+        if self.reciprocal { self.error } else { WITHOUT_RECIPROCITY * self.error }
     }
 }
 

@@ -57,13 +57,14 @@ pub fn fit_note(note: &FitNote) -> String {
         FitNote::ChosenAngles { tried, on_rows } => {
             let tried: Vec<String> = tried
                 .iter()
-                .map(|TriedPairs { pairs, spacing, error }| {
+                .map(|TriedPairs { pairs, spacing, reciprocal, error }| {
                     let spacing = match spacing {
                         Spacing::Linear => "evenly spaced".to_owned(),
                         Spacing::Power { exponent } => format!("spaced by the power {exponent}"),
                         Spacing::Asinh { alpha } => format!("even up to {:.2}°", alpha.to_degrees()),
                     };
-                    format!("{} {spacing} {}", pairs.name(), significant(*error))
+                    let kind = if *reciprocal { "" } else { ", not reciprocal" };
+                    format!("{} {spacing}{kind} {}", pairs.name(), significant(*error))
                 })
                 .collect();
             let on = if *on_rows {

@@ -46,6 +46,11 @@ fn textures_over_angles_are_chosen_by_trial_or_by_name() {
     // McCool's textures of as many bytes stand beside it.
     let mccool = named["baseline"]["mccool"]["held_out"]["log"]["mean_square"].as_f64().unwrap();
     assert!(mccool > 10.0 * log(&named), "{named}");
+    // What is not reciprocal has to be better to be chosen.
+    let words = "factor preset:ggx --angles polar --spacing 1 --bytes 3k --reciprocal auto";
+    let auto = report(root, &format!("{words} --json -o c"));
+    assert_eq!(auto["settings"]["reciprocal"], true, "{auto}");
+    assert!(auto["notes"].to_string().contains("not reciprocal"), "{auto}");
     assert!(root.join("b/factor-3.exr").exists() && !root.join("b/factor-4.exr").exists());
 }
 

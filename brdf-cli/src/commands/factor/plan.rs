@@ -113,8 +113,10 @@ impl Factor {
         if let Some(option) = self.search.given() {
             return Err(usage(format!("{option} is for --method search, not {name}")));
         }
-        if self.reciprocal == ReciprocityArg::Auto {
-            return Err(usage(format!("--reciprocal auto is for --method search, not {name}")));
+        if self.reciprocal == ReciprocityArg::Auto && self.method() != MethodArg::Isotropic {
+            return Err(usage(format!(
+                "--reciprocal auto is for --method search or isotropic, not {name}"
+            )));
         }
         if self.space == Some(SpaceArg::Auto) {
             return Err(usage(format!("--space auto is for --method search, not {name}")));
