@@ -125,7 +125,7 @@ impl TriedPairs {
     }
 }
 
-/// Pairs that trials are fitted to at most.
+/// Pairs that trials are fitted to at most: half of all, which rank choices as well.
 const TRIAL_PAIRS: usize = 30_000;
 
 /// What is fitted and what is compared, to choose by.
@@ -148,7 +148,7 @@ impl Trial {
             return Ok(Self::Rows { problem, fitted: choice.fitted, unseen: choice.unseen });
         }
         // Spread over uniform pairs and those at the highlight alike.
-        let every = training.fitted.len().div_ceil(TRIAL_PAIRS).max(1);
+        let every = training.fitted.len().div_ceil(TRIAL_PAIRS).max(2);
         let kept: Vec<usize> = (0..training.fitted.len()).step_by(every).collect();
         Ok(Self::Drawn {
             problem: Problem::new(&training.fitted.select(&kept), &record.params)?,
