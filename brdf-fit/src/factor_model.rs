@@ -15,7 +15,7 @@ use brdf_model::{Brdf, Channels, PairSampling, Rgb, SampleSet};
 use brdf_param::{DirectionPair, polar_angle};
 use rayon::prelude::*;
 
-use crate::lobes::{LobeProblem, MEASURES, measures_at};
+use crate::lobes::{LobeProblem, MEASURES};
 use crate::material::Material;
 
 /// Times that measures are brought to their present mean.
@@ -384,12 +384,10 @@ impl<'a> Tables<'a> {
         mut visit: impl FnMut(usize, [f64; MEASURES], [f64; MEASURES], [f64; MEASURES]),
     ) {
         let problem = self.problem;
-        let all = values.iter().zip(&problem.values).zip(&problem.pairs).zip(&problem.shares);
-        for (index, (((found, wanted), pair), shares)) in all.enumerate() {
+        for (index, (found, shares)) in values.iter().zip(&problem.shares).enumerate() {
             let weights =
                 std::array::from_fn(|m| shares[0] * factors[0][m] + shares[1] * factors[1][m]);
-            let (residuals, slopes) =
-                measures_at(found[0], wanted[c], pair.wi.z, problem.offsets[c]);
+            let (residuals, slopes) = problem.residuals_and_slopes(index, c, found[0]);
             visit(index, weights, residuals, slopes);
         }
     }

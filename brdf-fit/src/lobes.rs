@@ -33,6 +33,8 @@ const LOBE: usize = 5;
 pub(crate) struct LobeProblem {
     pub(crate) pairs: Vec<DirectionPair>,
     pub(crate) values: Vec<[f64; 3]>,
+    /// The values as each measure sees them.
+    measured: Vec<[[f64; MEASURES]; 3]>,
     pub(crate) shares: Vec<[f64; 2]>,
     pub(crate) offsets: [f64; 3],
 }
@@ -49,8 +51,13 @@ impl LobeProblem {
         let (count, near) = (uniform.len() as f64, mirror.len() as f64);
         let second = if mirror.is_empty() { 1.0 } else { 0.5 };
         let sets = [(uniform, [1.0 / count, second / count]), (mirror, [0.0, 0.5 / near])];
-        let mut made =
-            Self { pairs: Vec::new(), values: Vec::new(), shares: Vec::new(), offsets: [1e-5; 3] };
+        let mut made = Self {
+            pairs: Vec::new(),
+            values: Vec::new(),
+            measured: Vec::new(),
+            shares: Vec::new(),
+            offsets: [1e-5; 3],
+        };
         for (samples, shares) in sets {
             made.pairs.extend(samples.pairs());
             made.values.extend((0..samples.len()).map(|index| samples.rgb(index).channels()));
@@ -61,7 +68,37 @@ impl LobeProblem {
                 made.values.iter().zip(&made.shares).map(|(v, share)| v[c] * share[0]).sum();
             if mean > 0.0 { 1e-5 * mean } else { 1e-5 }
         });
+        made.measured = (0..made.pairs.len())
+            .map(|index| {
+                std::array::from_fn(|c| made.at(index, c, made.values[index][c]).measures())
+            })
+            .collect();
         made
+    }
+
+    /// A value of a channel at one of the pairs.
+    fn at(&self, index: usize, channel: usize, value: f64) -> MeasuredValue {
+        let cosine = self.pairs[index].wi.z;
+        MeasuredValue { value, cosine, offset: self.offsets[channel] }
+    }
+
+    /// What each measure says of a value beside the one that is wanted.
+    fn residuals(&self, index: usize, channel: usize, found: f64) -> [f64; MEASURES] {
+        let (found, wanted) =
+            (self.at(index, channel, found).measures(), self.measured[index][channel]);
+        std::array::from_fn(|m| found[m] - wanted[m])
+    }
+
+    /// The residuals, and their slopes with respect to the value.
+    pub(crate) fn residuals_and_slopes(
+        &self,
+        index: usize,
+        channel: usize,
+        found: f64,
+    ) -> ([f64; MEASURES], [f64; MEASURES]) {
+        let shifted = self.offsets[channel] + found.max(0.0);
+        let slopes = self.at(index, channel, found).slopes().map(|slope| slope / shifted);
+        (self.residuals(index, channel, found), slopes)
     }
 
     /// Returns the best model of this many lobes.
@@ -107,13 +144,16 @@ impl LobeProblem {
     /// Mean squares of the measures over both sets.
     pub(crate) fn mean_squares(&self, values: &[[f64; 3]]) -> [[f64; MEASURES]; 2] {
         let mut sums = [[1e-14; MEASURES]; 2];
-        self.for_each(values, |_, _, residuals, _, shares| {
-            for (sums, share) in sums.iter_mut().zip(shares) {
-                for (sum, residual) in sums.iter_mut().zip(residuals) {
-                    *sum += share * residual * residual;
+        for (index, (found, shares)) in values.iter().zip(&self.shares).enumerate() {
+            for (c, &found) in found.iter().enumerate() {
+                let residuals = self.residuals(index, c, found);
+                for (sums, share) in sums.iter_mut().zip(shares) {
+                    for (sum, residual) in sums.iter_mut().zip(residuals) {
+                        *sum += share * residual * residual;
+                    }
                 }
             }
-        });
+        }
         sums
     }
 
@@ -123,10 +163,9 @@ impl LobeProblem {
         values: &[[f64; 3]],
         mut visit: impl FnMut(usize, usize, [f64; MEASURES], [f64; MEASURES], [f64; 2]),
     ) {
-        for (index, (found, wanted)) in values.iter().zip(&self.values).enumerate() {
-            let cosine = self.pairs[index].wi.z;
-            for c in 0..3 {
-                let (residuals, slopes) = measures_at(found[c], wanted[c], cosine, self.offsets[c]);
+        for (index, found) in values.iter().enumerate() {
+            for (c, &found) in found.iter().enumerate() {
+                let (residuals, slopes) = self.residuals_and_slopes(index, c, found);
                 visit(index, c, residuals, slopes, self.shares[index]);
             }
         }
@@ -231,20 +270,6 @@ impl LobeProblem {
         let values = self.evaluate(&logs);
         Some(State { logs, values })
     }
-}
-
-/// What each measure says of a value beside the one that is wanted, and its slope with respect to the value.
-pub(crate) fn measures_at(
-    found: f64,
-    wanted: f64,
-    cosine: f64,
-    offset: f64,
-) -> ([f64; MEASURES], [f64; MEASURES]) {
-    let at = |value| MeasuredValue { value, cosine, offset };
-    let (measured, expected) = (at(found).measures(), at(wanted).measures());
-    let residuals = std::array::from_fn(|m| measured[m] - expected[m]);
-    let slopes = at(found).slopes().map(|slope| slope / (offset + found.max(0.0)));
-    (residuals, slopes)
 }
 
 fn weighted(means: [[f64; MEASURES]; 2], factors: [[f64; MEASURES]; 2]) -> f64 {
