@@ -156,7 +156,8 @@ impl FactoredSettings {
             bound: Bound::Disc,
             smoothing: 1e-4,
             log_transform: LogTransform::Offset,
-            offset: FactorParams::default().offset,
+            // Channels that a file clips to 0 are cliffs in a logarithm; they stain a picture less this way.
+            offset: if is_isotropic { 1e-3 } else { FactorParams::default().offset },
             weight: if is_isotropic { Weight::Fidelity } else { Weight::Log },
             reciprocity: Reciprocity::On,
             clamp: true,

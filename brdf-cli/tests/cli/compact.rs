@@ -40,7 +40,8 @@ fn textures_over_angles_are_chosen_by_trial_or_by_name() {
     // Weights of the logarithm alone do better by it, those of all measures nearer to the highlight.
     let log =
         |report: &Value| report["terms"][0]["held_out"]["log"]["mean_square"].as_f64().unwrap();
-    let words = "factor preset:cook-torrance --angles cartesian --bytes 4k --samples 20000 --weight log --highlight 0";
+    let words = "factor preset:cook-torrance --angles cartesian --bytes 4k --samples 20000 --weight log --highlight 0 \
+                 --offset 1e-5";
     let named = report(root, &format!("{words} --json -o b"));
     assert!(log(&named) < 0.001 && log(&named) < log(&chosen), "{named}");
     // McCool's textures of as many bytes stand beside it.

@@ -102,7 +102,7 @@ pub(super) struct Factor {
     #[arg(long, value_enum, default_value_t = LogMapArg::Offset)]
     log_map: LogMapArg,
 
-    /// a of ln(a + f) over the mean of each channel [default: 1e-5]
+    /// a of ln(a + f) over the mean of each channel [default: 1e-3 for --method isotropic, else 1e-5]
     #[arg(long, value_name = "SHARE", value_parser = positive)]
     offset: Option<f64>,
 
