@@ -79,6 +79,7 @@ fn draw(
 ) -> Result<(), PlotError> {
     let mut chart = ChartBuilder::on(area)
         .margin(10)
+        .margin_right(24)
         .caption(&panel.title, ("sans-serif", 15).into_font().color(&INK))
         .x_label_area_size(36)
         .y_label_area_size(58)
@@ -124,8 +125,12 @@ fn draw(
     Ok(())
 }
 
-/// A power of ten, written out while that is short.
+/// 1, 2 or 5 times a power of ten, written out while that is short; the lines between have no room for a label.
 fn decade(value: f64) -> String {
+    let leading = value / 10_f64.powf(value.log10().floor());
+    if ![1.0, 2.0, 5.0, 10.0].iter().any(|digit| (leading - digit).abs() < 1e-6) {
+        return String::new();
+    }
     if (1.0..1e7).contains(&value) { format!("{value:.0}") } else { short(value) }
 }
 
@@ -155,6 +160,14 @@ mod tests {
             .find_map(|xs| <[f64; 3]>::try_from(xs).ok())
             .expect("the line of three points");
         assert!(((b - a) - (c - b)).abs() <= 2.0, "{a}, {b}, {c}");
+    }
+
+    #[test]
+    fn labels_leave_room_for_each_other() {
+        let labels: Vec<String> = (1..=10_u8).map(|d| decade(0.01 * f64::from(d))).collect();
+        let shown: Vec<&String> = labels.iter().filter(|label| !label.is_empty()).collect();
+        assert_eq!(shown.len(), 4, "{labels:?}");
+        assert_eq!(decade(1000.0), "1000");
     }
 
     #[test]
