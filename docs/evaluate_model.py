@@ -258,6 +258,10 @@ def two_points(layout, wi, wo):
         # These carry the azimuth of the first point; the others are free of it already.
         if parametrization in ("standard", "orthographic", "hybrid"):
             b = turned_back(b, a)
+        # On the normal there is no azimuth that could lie between the two.
+        on_normal = np.hypot(a[:, 0], a[:, 1]) <= 1e-12
+        along_x = np.stack([np.hypot(b[:, 0], b[:, 1]), 0 * b[:, 0], b[:, 2]], axis=1)
+        b = np.where(on_normal[:, None], along_x, b)
         a = turned_back(a, a)
     return a, b
 

@@ -85,8 +85,8 @@ pub(super) struct Factor {
     #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(2..=1024))]
     texture_size: Option<u32>,
 
-    /// Direction pairs to draw and fit; scattered measurements give their own rows [default: 45000; 20000 to 90000
-    /// for --method isotropic, by its size]
+    /// Direction pairs to draw and fit; scattered measurements give their own rows. For --method isotropic 20000 to 90000,
+    /// by its size [default: 45000]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     samples: Option<u32>,
 
