@@ -97,6 +97,9 @@ pub(crate) struct Angles {
 /// directions have φd = 0, directions along the normal Δφ = 0. Evaluation in f32 needs that much room.
 pub(crate) const NO_AZIMUTH: f64 = 1e-4;
 
+/// Rounding moves a half vector from the normal by less than this, relative to its length.
+const ON_NORMAL: f64 = 1e-12;
+
 impl Angle {
     /// Returns whether exchanging light and viewer leaves the angle as it is.
     pub fn is_reciprocal(self) -> bool {
@@ -237,6 +240,8 @@ impl Angles {
     pub(crate) fn from_pair(pair: &DirectionPair) -> Self {
         let (h, d) = (pair.wi + pair.wo, pair.wi - pair.wo);
         let (across, length) = (h.truncate().length(), h.length());
+        // Spacings by a power below 1 would make a distance of what rounding leaves.
+        let across = if across > ON_NORMAL * length { across } else { 0.0 };
         // |h| = 2 cos θd and |d| = 2 sin θd; h and d are perpendicular.
         let (theta_h, theta_d) = (across.atan2(h.z), d.length().atan2(length));
         let has_azimuth = across > NO_AZIMUTH * length && d.length() > NO_AZIMUTH * length;

@@ -149,7 +149,10 @@ mod tests {
         let line = panel(vec![(10.0, 0.1), (100.0, 0.01), (1000.0, 0.001)]);
         let plot = plot_log_log(&[line], 1).expect("three points");
         let lines = plot.svg().lines().filter(|line| line.contains("<polyline"));
-        let drawn = lines.map(|line| line.split('"').nth(7).unwrap_or_default().to_owned());
+        let drawn = lines.map(|line| {
+            let points = line.split("points=\"").nth(1).unwrap_or_default();
+            points.split('"').next().unwrap_or_default().to_owned()
+        });
         let [a, b, c] = drawn
             .map(|points| {
                 points
