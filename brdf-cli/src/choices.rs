@@ -197,7 +197,8 @@ choices! {
     pub(crate) enum ReciprocityArg for Reciprocity {
         On => On,
         Off => Off,
-        /// For --method search: try both; for each number of textures the lower error on validation pairs wins
+        /// For --method search and isotropic: try both; the lower error on validation pairs wins, of a search for each number
+        /// of textures
         Auto => Auto,
     }
 }

@@ -43,7 +43,7 @@ pub enum FactoredMethod {
     },
     /// Over pairs of angles, of isotropic materials.
     Isotropic(IsotropicSettings),
-    /// These.
+    /// Over these coordinates, which say themselves whether light and viewer share textures.
     Coordinates(Vec<FactorSpec>),
     /// Those of a matrix that was inverted before, of samples at the same places.
     Preinverted(Box<Basis>),
@@ -398,6 +398,10 @@ pub fn fit_factored(
             record.reciprocal = is_reciprocal;
             tried = others;
             vec![specs]
+        }
+        FactoredMethod::Coordinates(specs) => {
+            record.reciprocal = specs.iter().all(FactorSpec::is_reciprocal);
+            vec![specs.clone()]
         }
         method => specs_of(method, reciprocal[0], found.as_ref()),
     };

@@ -30,8 +30,8 @@ pub(super) struct CompactArgs {
     #[arg(long, value_enum)]
     angles: Option<AnglesArg>,
 
-    /// For --method isotropic: texels along θh at (θh/θmax)^P; 1 is even, less crowds at the highlight [default: 1 or
-    /// .5, what suits better]
+    /// For --method isotropic: texels along θh at (θh/θmax)^P; 1 is even, less crowds at the highlight [default: 1,
+    /// .75 or .5, what suits best]
     #[arg(long, value_name = "P", value_parser = positive)]
     spacing: Option<f64>,
 }
