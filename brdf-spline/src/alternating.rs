@@ -2,16 +2,19 @@
 //!
 //! Both halves of a step see the nodes through sums over the other angle, which are matrix products: a step costs
 //! `nodes × terms²` once, however often its equations are swept. Terms are solved one after another
-//! (Gauss–Seidel): solved together they fit a little better and cancel each other, which costs bits.
+//! (Gauss–Seidel): solved together they fit a little better and cancel each other, which costs bits. Colours are a mean
+//! and two differences throughout: under weights that all share, least squares for one do not see the others.
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::{Llt, SolveCore as _};
-use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side};
+use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
+use pulp::Arch;
 use rayon::prelude::*;
 
-use crate::basis::{CubicBasis, Taps};
+use crate::banded::{Factored, dot};
 use crate::nodes::Nodes;
-use crate::products::{DifferenceRow, Products, Shape};
+use crate::opponent::{from_opponent, to_opponent};
+use crate::places::{DifferencePlaces, HalfPlaces, smooth};
+use crate::products::{Products, Shape};
 use crate::weights::Weights;
 
 /// Times that terms take their turn in each half of a step.
@@ -27,87 +30,105 @@ const COLUMNS: usize = 64;
 /// A fit under way.
 pub(crate) struct Alternating<'a> {
     nodes: &'a Nodes,
+    shape: Shape,
     roughness: f64,
     offsets: [f64; 3],
-    pub(crate) products: Products,
-    taps: Vec<Taps>,
-    rows: Vec<DifferenceRow>,
-    /// ln(a + f) of each node.
-    targets: Vec<[f64; 3]>,
+    half_places: HalfPlaces,
+    difference_places: DifferencePlaces,
     weighing: Weights,
+    /// ln(a + f) of each node and channel.
+    logarithms: Vec<[f64; 3]>,
     weights: Vec<f64>,
-    /// g of each half vector and term.
-    half: Vec<f64>,
-    /// The other side of each difference vector and term.
-    difference: Vec<[f64; 3]>,
+    /// Weights times what is to be fitted, node by node, for each colour.
+    weighted: Vec<Vec<f64>>,
+    sides: Sides,
 }
 
-/// Sums over one side's points, for each point of the other side: of weights times products of two terms, and of
-/// weights times terms times what is to be fitted.
+/// The coefficients of both sides, and what they are at the places of the nodes.
+#[derive(Clone)]
+pub(crate) struct Sides {
+    half: Values,
+    /// For each colour.
+    difference: Vec<Values>,
+}
+
+/// Functions of one side, a term after the other.
+#[derive(Clone)]
+struct Values {
+    /// Coefficients, those of a term together.
+    coefficients: Vec<f64>,
+    /// Values, those of a place together.
+    at: Vec<f64>,
+}
+
+/// Sums over one side's places, for each place of the other side.
 struct Sums {
     terms: usize,
-    /// The lower triangle of pairs of terms, row by row, for each point.
+    /// Of weights times the products of all pairs of terms.
     products: Vec<f64>,
-    /// For each point and term; where terms have channels, those of the target.
-    targets: Vec<[f64; 3]>,
+    /// Of weights times terms times what is to be fitted, for each colour.
+    targets: Vec<Vec<f64>>,
 }
 
-/// Where the product of two terms stands in a lower triangle.
-fn pair_at(a: usize, b: usize) -> usize {
-    let (low, high) = (a.min(b), a.max(b));
-    high * (high + 1) / 2 + low
+/// What the coefficients of one side are solved from.
+pub(crate) struct Equations {
+    sums: Sums,
+    /// The factored matrix of each term; none where a term is 0.
+    systems: Vec<Option<Factored>>,
 }
 
 impl Sums {
-    fn pairs(&self) -> usize {
-        self.terms * (self.terms + 1) / 2
+    fn product(&self, place: usize, a: usize, b: usize) -> f64 {
+        self.products[(place * self.terms + a) * self.terms + b]
     }
 
-    /// The sum for two terms at a point.
-    fn product(&self, point: usize, a: usize, b: usize) -> f64 {
-        self.products[point * self.pairs() + pair_at(a, b)]
-    }
-
-    fn target(&self, point: usize, term: usize) -> [f64; 3] {
-        self.targets[point * self.terms + term]
+    /// Writes what terms other than one leave to be fitted at each place, times weights.
+    #[inline(always)]
+    fn rest(&self, targets: &[f64], term: usize, values: &[f64], rest: &mut [f64]) {
+        let terms = self.terms;
+        for (place, rest) in rest.iter_mut().enumerate() {
+            let values = &values[place * terms..(place + 1) * terms];
+            let at = place * terms + term;
+            let products = &self.products[at * terms..(at + 1) * terms];
+            *rest = targets[at] - (dot(products, values) - products[term] * values[term]);
+        }
     }
 }
 
 impl<'a> Alternating<'a> {
     /// Starts with cosines over the axis of θh.
     pub(crate) fn new(nodes: &'a Nodes, shape: Shape, offsets: [f64; 3], roughness: f64) -> Self {
-        let harmonics = shape.harmonics();
-        let taps = nodes.halves.iter().map(|&theta| shape.half_taps(theta)).collect();
-        let rows: Vec<DifferenceRow> = nodes
-            .differences
-            .par_iter()
-            .map(|d| shape.difference_row(&harmonics, d.theta, d.phi))
-            .collect();
-        let targets = nodes.nodes.iter().map(|node| {
-            std::array::from_fn(|c| {
-                if c < nodes.channels { (offsets[c] + node.value[c]).ln() } else { 0.0 }
-            })
-        });
+        let channels = nodes.channels;
+        let logarithms =
+            nodes.nodes.iter().map(|node| {
+                std::array::from_fn(|c| {
+                    if c < channels { (offsets[c] + node.value[c]).ln() } else { 0.0 }
+                })
+            });
         let half = (0..shape.terms).flat_map(|term| {
             let turns = std::f64::consts::PI * term as f64;
             (0..shape.half.count).map(move |index| (turns * shape.half.place(index)).cos())
         });
-        let half = half.collect();
-        let difference = vec![[0.0; 3]; shape.terms * shape.difference_len()];
+        let half = Values { coefficients: half.collect(), at: Vec::new() };
+        let difference = Values {
+            coefficients: vec![0.0; shape.terms * shape.difference_len()],
+            at: vec![0.0; nodes.differences.len() * shape.terms],
+        };
         let weighing = Weights::new(nodes, offsets);
         let mut made = Self {
             nodes,
             roughness,
             offsets,
-            targets: targets.collect(),
+            half_places: HalfPlaces::new(&shape, &nodes.halves),
+            difference_places: DifferencePlaces::new(&shape, &nodes.differences),
+            logarithms: logarithms.collect(),
             weights: weighing.first(nodes),
             weighing,
-            half: Vec::new(),
-            difference: vec![[0.0; 3]; rows.len() * shape.terms],
-            taps,
-            rows,
-            products: Products { shape, half, difference },
+            weighted: Vec::new(),
+            sides: Sides { half, difference: vec![difference; channels] },
+            shape,
         };
+        made.weigh_targets();
         made.read_half();
         made
     }
@@ -124,49 +145,70 @@ impl<'a> Alternating<'a> {
         self.solve_half();
     }
 
-    /// Goes back to these products.
-    pub(crate) fn reset(&mut self, products: &Products) {
-        self.products = products.clone();
-        self.read_half();
-        self.read_difference();
+    pub(crate) fn shape(&self) -> &Shape {
+        &self.shape
     }
 
-    fn terms(&self) -> usize {
-        self.products.shape.terms
+    /// Returns the coefficients as they are.
+    pub(crate) fn sides(&self) -> Sides {
+        self.sides.clone()
+    }
+
+    /// Goes back to earlier coefficients.
+    pub(crate) fn reset(&mut self, sides: &Sides) {
+        self.sides.clone_from(sides);
+    }
+
+    /// Returns the model so far.
+    pub(crate) fn products(&self) -> Products {
+        let colours = &self.sides.difference;
+        let at = |index: usize| {
+            let colour = |c: usize| colours.get(c).map_or(0.0, |own| own.coefficients[index]);
+            from_opponent(std::array::from_fn(colour), colours.len())
+        };
+        Products {
+            shape: self.shape.clone(),
+            half: self.sides.half.coefficients.clone(),
+            difference: (0..self.shape.terms * self.shape.difference_len()).map(at).collect(),
+        }
     }
 
     fn read_half(&mut self) {
-        let terms = self.terms();
-        let products = &self.products;
-        let read = |taps: &Taps| (0..terms).map(|term| taps.read(products.half_of(term))).collect();
-        let rows: Vec<Vec<f64>> = self.taps.iter().map(read).collect();
-        self.half = rows.concat();
+        let (terms, count) = (self.shape.terms, self.shape.half.count);
+        let Values { coefficients, at } = &mut self.sides.half;
+        at.resize(terms * self.nodes.halves.len(), 0.0);
+        for (term, own) in coefficients.chunks_exact(count).enumerate() {
+            let values = self.half_places.read(own);
+            at[term..].iter_mut().step_by(terms).zip(values).for_each(|(at, value)| *at = value);
+        }
     }
 
     fn read_difference(&mut self) {
-        let terms = self.terms();
-        let products = &self.products;
-        let values: Vec<Vec<[f64; 3]>> = self
-            .rows
-            .par_iter()
-            .map(|row| (0..terms).map(|term| row.read(products.difference_of(term))).collect())
-            .collect();
-        self.difference = values.concat();
+        let (terms, places) = (self.shape.terms, &self.difference_places);
+        let length = self.shape.difference_len();
+        self.sides.difference.par_iter_mut().for_each(|Values { coefficients, at }| {
+            Arch::new().dispatch(|| {
+                for (term, own) in coefficients.chunks_exact(length).enumerate() {
+                    places.read(own, &mut at[term..], terms);
+                }
+            });
+        });
     }
 
-    /// Present y of every node.
+    /// Present y of every node and channel.
     fn predictions(&self) -> Vec<[f64; 3]> {
-        let terms = self.terms();
-        let halves = self.nodes.halves.len();
-        let y = |half: usize, difference: usize| {
-            let half = &self.half[half * terms..(half + 1) * terms];
-            let other = &self.difference[difference * terms..(difference + 1) * terms];
-            half.iter().zip(other).fold([0.0; 3], |sum, (half, other)| {
-                std::array::from_fn(|c| sum[c] + half * other[c])
-            })
-        };
+        let terms = self.shape.terms;
+        let (halves, colours) = (self.nodes.halves.len(), &self.sides.difference);
         let of = |node: usize| {
-            if self.nodes.is_grid { y(node % halves, node / halves) } else { y(node, node) }
+            let (half, difference) =
+                if self.nodes.is_grid { (node % halves, node / halves) } else { (node, node) };
+            let half = &self.sides.half.at[half * terms..(half + 1) * terms];
+            let colour = |c: usize| {
+                colours.get(c).map_or(0.0, |own| {
+                    dot(half, &own.at[difference * terms..(difference + 1) * terms])
+                })
+            };
+            from_opponent(std::array::from_fn(colour), colours.len())
         };
         (0..self.nodes.nodes.len()).into_par_iter().map(of).collect()
     }
@@ -186,12 +228,16 @@ impl<'a> Alternating<'a> {
         }
     }
 
-    /// Weights times the target of a channel, of each node.
-    fn weighted_targets(&self, channel: usize) -> Vec<f64> {
-        self.weights.iter().zip(&self.targets).map(|(w, y)| w * y[channel]).collect()
+    fn weigh_targets(&mut self) {
+        let channels = self.nodes.channels;
+        let of = |colour: usize| {
+            let nodes = self.weights.par_iter().zip(&self.logarithms);
+            nodes.map(|(weight, y)| weight * to_opponent(*y, channels)[colour]).collect()
+        };
+        self.weighted = (0..channels).map(of).collect();
     }
 
-    /// Returns, for each point of one side, what nodes add up to: columns of `functions` (one for each point of the
+    /// Returns, for each place of one side, what nodes add up to: columns of `functions` (one for each place of the
     /// other side) times the nodes' weights.
     fn sum_over_nodes(&self, functions: &[f64], weights: &[f64], over_halves: bool) -> Vec<f64> {
         let (halves, differences) = (self.nodes.halves.len(), self.nodes.differences.len());
@@ -219,52 +265,66 @@ impl<'a> Alternating<'a> {
         sums
     }
 
+    /// Returns the sums over nodes of weights times products of terms, from what the products of pairs (the lower
+    /// triangle) are at each place.
+    fn sum_products(&self, pairs: &[f64], over_halves: bool) -> Vec<f64> {
+        let terms = self.shape.terms;
+        let sums = self.sum_over_nodes(pairs, &self.weights, over_halves);
+        let triangle = terms * (terms + 1) / 2;
+        let mut products = vec![0.0; sums.len() / triangle * terms * terms];
+        let squares = products.par_chunks_exact_mut(terms * terms);
+        squares.zip(sums.par_chunks_exact(triangle)).for_each(|(square, triangle)| {
+            let mut triangle = triangle.iter();
+            for a in 0..terms {
+                for (b, &sum) in (0..=a).zip(&mut triangle) {
+                    square[a * terms + b] = sum;
+                    square[b * terms + a] = sum;
+                }
+            }
+        });
+        products
+    }
+
     /// Weighs nodes by the present errors.
     ///
     /// Where a channel is 0 and the model is below, it is right: values end at 0.
     fn reweigh(&mut self) {
         let predicted = self.predictions();
         self.weights = self.weighing.next(self.nodes, &predicted);
-        for ((target, node), y) in self.targets.iter_mut().zip(&self.nodes.nodes).zip(&predicted) {
+        let nodes = self.logarithms.iter_mut().zip(&self.nodes.nodes);
+        for ((wanted, node), y) in nodes.zip(&predicted) {
             for c in 0..self.nodes.channels {
                 if node.value[c] <= 0.0 {
-                    target[c] = y[c].min(self.offsets[c].ln());
+                    wanted[c] = y[c].min(self.offsets[c].ln());
                 }
             }
         }
+        self.weigh_targets();
     }
 
     /// Makes the splines over θh orthonormal under the weights of the nodes, so that terms have one scale.
     fn orthonormalize(&mut self) {
-        let terms = self.terms();
+        let terms = self.shape.terms;
         let totals = self.totals(true);
+        let half = &self.sides.half.at;
         let gram = Mat::from_fn(terms, terms, |i, j| {
-            let halves = self.half.chunks_exact(terms).zip(&totals);
+            let halves = half.chunks_exact(terms).zip(&totals);
             let sum: f64 = halves.map(|(half, weight)| weight * half[i] * half[j]).sum();
             if i == j { sum * (1.0 + 1e-10) + 1e-300 } else { sum }
         });
         let Ok(cholesky) = gram.llt(Side::Lower) else { return };
         // g ← L⁻¹ g and C ← Lᵀ C leave Σ g C as it is.
         let lower = cholesky.L();
-        let count = self.products.shape.half.count;
+        let count = self.shape.half.count;
+        let half = &mut self.sides.half.coefficients;
         for at in 0..count {
             for i in 0..terms {
-                let known: f64 =
-                    (0..i).map(|j| lower[(i, j)] * self.products.half[j * count + at]).sum();
-                let value = &mut self.products.half[i * count + at];
+                let known: f64 = (0..i).map(|j| lower[(i, j)] * half[j * count + at]).sum();
+                let value = &mut half[i * count + at];
                 *value = (*value - known) / lower[(i, i)];
             }
         }
-        let length = self.products.shape.difference_len();
-        let before = self.products.difference.clone();
-        for j in 0..terms {
-            for at in 0..length {
-                self.products.difference[j * length + at] = (j..terms).fold([0.0; 3], |sum, i| {
-                    let other = before[i * length + at];
-                    std::array::from_fn(|c| sum[c] + lower[(i, j)] * other[c])
-                });
-            }
-        }
+        self.turn_difference(|new, old| if old >= new { lower[(old, new)] } else { 0.0 });
         self.read_half();
         self.read_difference();
     }
@@ -272,261 +332,175 @@ impl<'a> Alternating<'a> {
     /// Turns the terms among themselves so that they are ordered by energy and share none.
     pub(crate) fn order_terms(&mut self) {
         self.orthonormalize();
-        let terms = self.terms();
+        let terms = self.shape.terms;
         let weights = self.totals(false);
+        let colours = &self.sides.difference;
         let energy = Mat::from_fn(terms, terms, |i, j| {
-            let points = self.difference.chunks_exact(terms).zip(&weights);
-            points
-                .map(|(point, weight)| {
-                    weight * (0..3).map(|c| point[i][c] * point[j][c]).sum::<f64>()
-                })
-                .sum::<f64>()
+            let of = |colour: &Values| {
+                let places = colour.at.chunks_exact(terms).zip(&weights);
+                places.map(|(place, weight)| weight * place[i] * place[j]).sum::<f64>()
+            };
+            colours.iter().map(of).sum::<f64>()
         });
         let Ok(eigen) = energy.self_adjoint_eigen(Side::Lower) else { return };
         // Eigenvalues come in rising order.
         let turn = |new: usize, old: usize| eigen.U()[(old, terms - 1 - new)];
-        let count = self.products.shape.half.count;
-        let before = self.products.half.clone();
-        for new in 0..terms {
-            for at in 0..count {
-                self.products.half[new * count + at] =
-                    (0..terms).map(|old| turn(new, old) * before[old * count + at]).sum();
-            }
-        }
-        let length = self.products.shape.difference_len();
-        let before = self.products.difference.clone();
-        for new in 0..terms {
-            for at in 0..length {
-                self.products.difference[new * length + at] =
-                    (0..terms).fold([0.0; 3], |sum, old| {
-                        let other = before[old * length + at];
-                        std::array::from_fn(|c| sum[c] + turn(new, old) * other[c])
-                    });
-            }
-        }
+        turn_terms(&mut self.sides.half.coefficients, terms, turn);
+        self.turn_difference(turn);
         self.read_half();
         self.read_difference();
+    }
+
+    fn turn_difference(&mut self, turn: impl Fn(usize, usize) -> f64) {
+        for colour in &mut self.sides.difference {
+            turn_terms(&mut colour.coefficients, self.shape.terms, &turn);
+        }
+    }
+
+    /// Returns the equations for the coefficients over θd and φd, given the splines over θh.
+    pub(crate) fn difference_equations(&self) -> Equations {
+        let (terms, shape) = (self.shape.terms, &self.shape);
+        let half = &self.sides.half.at;
+        let pairs: Vec<f64> = half
+            .chunks_exact(terms)
+            .flat_map(|g| (0..terms).flat_map(move |a| (0..=a).map(move |b| g[a] * g[b])))
+            .collect();
+        let products = self.sum_products(&pairs, true);
+        let of = |weighted: &Vec<f64>| self.sum_over_nodes(half, weighted, true);
+        let sums = Sums { terms, products, targets: self.weighted.iter().map(of).collect() };
+        let harmonics = shape.harmonics();
+        let count = harmonics.len();
+        let system = |term: usize| {
+            let weight = |place: usize| sums.product(place, term, term);
+            let mut gram = Arch::new().dispatch(|| self.difference_places.squares(weight));
+            let ridge = self.roughness * gram.mean_diagonal() + f64::MIN_POSITIVE;
+            for (harmonic, function) in harmonics.iter().enumerate() {
+                smooth(&mut gram, shape.difference, ridge, |j| j * count + harmonic);
+                let order = function.order as f64;
+                let own = ridge * (HARMONIC_ROUGHNESS * order.powi(4) + 1e-6);
+                for j in 0..shape.difference.count {
+                    let at = j * count + harmonic;
+                    gram.add(at, at, own);
+                }
+            }
+            gram.cholesky()
+        };
+        let systems = (0..terms).into_par_iter().map(system).collect();
+        Equations { sums, systems }
     }
 
     /// Solves for the coefficients over θd and φd.
     pub(crate) fn solve_difference(&mut self) {
         let equations = self.difference_equations();
-        for _ in 0..SWEEPS {
-            for term in 0..self.terms() {
-                self.solve_term(&equations, term);
-            }
-        }
-    }
-
-    /// Returns the equations for the coefficients over θd and φd, given the splines over θh.
-    pub(crate) fn difference_equations(&self) -> DifferenceEquations {
-        let (terms, shape) = (self.terms(), &self.products.shape);
-        let (length, harmonics) = (shape.difference_len(), shape.harmonics());
-        let squares: Vec<f64> = self
-            .half
-            .chunks_exact(terms)
-            .flat_map(|g| (0..terms).flat_map(move |a| (0..=a).map(move |b| g[a] * g[b])))
-            .collect();
-        let products = self.sum_over_nodes(&squares, &self.weights, true);
-        let mut targets = vec![[0.0; 3]; self.rows.len() * terms];
-        for channel in 0..self.nodes.channels {
-            let sums = self.sum_over_nodes(&self.half, &self.weighted_targets(channel), true);
-            targets.iter_mut().zip(sums).for_each(|(target, sum)| target[channel] = sum);
-        }
-        let sums = Sums { terms, products, targets };
-        let count = harmonics.len();
-        let systems = (0..terms)
-            .into_par_iter()
-            .map(|term| {
-                let mut gram = Mat::<f64>::zeros(length, length);
-                add_squares(&mut gram, &self.rows, |point| sums.product(point, term, term));
-                let mean = (0..length).map(|i| gram[(i, i)]).sum::<f64>() / length as f64;
-                let ridge = self.roughness * mean + f64::MIN_POSITIVE;
-                for (harmonic, function) in harmonics.iter().enumerate() {
-                    smooth(&mut gram, shape.difference, ridge, |j| j * count + harmonic);
-                    let order = function.order as f64;
-                    for j in 0..shape.difference.count {
-                        let at = j * count + harmonic;
-                        gram[(at, at)] += ridge * (HARMONIC_ROUGHNESS * order.powi(4) + 1e-6);
+        let places = &self.difference_places;
+        let colours = self.sides.difference.par_iter_mut().zip(&equations.sums.targets);
+        colours.for_each(|(own, targets)| {
+            Arch::new().dispatch(|| {
+                for term in (0..SWEEPS).flat_map(|_| 0..equations.sums.terms) {
+                    if let Some(solution) = equations.difference_of(places, targets, term, &own.at)
+                    {
+                        own.hold(places, term, equations.sums.terms, &solution);
                     }
                 }
-                gram.llt(Side::Lower).ok()
-            })
-            .collect();
-        DifferenceEquations { sums, systems }
+            });
+        });
     }
 
-    /// Solves for the coefficients of one term over θd and φd, the others staying as they are.
-    fn solve_term(&mut self, equations: &DifferenceEquations, term: usize) {
-        if let Some(own) = self.term_solution(equations, term) {
-            self.set_difference(term, own);
-        }
-    }
-
-    fn term_solution(&self, equations: &DifferenceEquations, term: usize) -> Option<Vec<[f64; 3]>> {
-        let terms = self.terms();
-        let length = self.products.shape.difference_len();
-        let system = equations.systems[term].as_ref()?;
-        let mut side = vec![[0.0; 3]; length];
-        let sums = &equations.sums;
-        let rest_at = |point: usize| {
-            let others = &self.difference[point * terms..(point + 1) * terms];
-            let mut rest = sums.target(point, term);
-            for (other, value) in others.iter().enumerate().filter(|(other, _)| *other != term) {
-                let product = sums.product(point, term, other);
-                for (rest, value) in rest.iter_mut().zip(value) {
-                    *rest -= product * value;
-                }
-            }
-            rest
-        };
-        let points = (0..self.rows.len()).into_par_iter().with_min_len(COLUMNS * 4);
-        let rests: Vec<[f64; 3]> = points.map(rest_at).collect();
-        for (row, rest) in self.rows.iter().zip(rests) {
-            row.add_to(rest, &mut side);
-        }
-        let channels = self.nodes.channels;
-        let mut solution = Mat::from_fn(length, channels, |i, c| side[i][c]);
-        system.solve_in_place_with_conj(Conj::No, solution.as_mut());
-        let of = |i| std::array::from_fn(|c| if c < channels { solution[(i, c)] } else { 0.0 });
-        Some((0..length).map(of).collect())
-    }
-
-    fn set_difference(&mut self, term: usize, coefficients: Vec<[f64; 3]>) {
-        let (terms, length) = (self.terms(), coefficients.len());
-        let own = &mut self.products.difference[term * length..(term + 1) * length];
-        own.copy_from_slice(&coefficients);
-        for (index, row) in self.rows.iter().enumerate() {
-            self.difference[index * terms + term] = row.read(&coefficients);
-        }
-    }
-
-    /// Returns the integers that coefficients over θd and φd become, in steps of each, and holds those.
+    /// Returns the integers that coefficients over θd and φd become, in steps of each, and holds those: for each colour,
+    /// those of a term together.
     ///
     /// Terms are rounded one after another, so that later ones make up for what rounding did to earlier ones;
-    /// within a term, each coefficient likewise for those after it (nearest plane).
+    /// within a term, each coefficient likewise for those after it.
     pub(crate) fn round_difference(
         &mut self,
-        equations: &DifferenceEquations,
+        equations: &Equations,
         steps: &[f64],
-    ) -> Vec<[i32; 3]> {
-        let length = steps.len();
-        let mut rounded = vec![[0; 3]; self.terms() * length];
-        for term in 0..self.terms() {
-            let Some(solution) = self.term_solution(equations, term) else { continue };
-            let Some(system) = &equations.systems[term] else { continue };
-            let wanted: Vec<[f64; 3]> =
-                solution.into_iter().map(|v| to_opponent(v, self.nodes.channels)).collect();
-            let own = &mut rounded[term * length..(term + 1) * length];
-            for colour in 0..self.nodes.channels {
-                let wanted: Vec<f64> = wanted.iter().map(|v| v[colour]).collect();
-                let found = nearest_plane(system, &wanted, |i| steps[i]);
-                own.iter_mut().zip(found).for_each(|(own, found)| own[colour] = found);
-            }
-            let held = own.iter().zip(steps).map(|(own, step)| {
-                from_opponent(own.map(|v| f64::from(v) * step), self.nodes.channels)
+    ) -> Vec<Vec<i32>> {
+        let places = &self.difference_places;
+        let colours = self.sides.difference.par_iter_mut().zip(&equations.sums.targets);
+        let round = |(own, targets): (&mut Values, &Vec<f64>)| {
+            let terms = equations.sums.terms;
+            let mut rounded = Vec::with_capacity(terms * steps.len());
+            Arch::new().dispatch(|| {
+                for (term, system) in equations.systems.iter().enumerate() {
+                    let wanted = equations.difference_of(places, targets, term, &own.at);
+                    let found = match (system, wanted) {
+                        (Some(system), Some(wanted)) => system.nearest_plane(&wanted, steps),
+                        _ => vec![0; steps.len()],
+                    };
+                    let pairs = found.iter().zip(steps);
+                    let held: Vec<f64> = pairs.map(|(&v, step)| f64::from(v) * step).collect();
+                    own.hold(places, term, terms, &held);
+                    rounded.extend(found);
+                }
             });
-            let held = held.collect();
-            self.set_difference(term, held);
+            rounded
+        };
+        colours.map(round).collect()
+    }
+
+    /// Returns the equations for the splines over θh, given the other side.
+    pub(crate) fn half_equations(&self) -> Equations {
+        let (terms, basis) = (self.shape.terms, self.shape.half);
+        let colours = &self.sides.difference;
+        let mut pairs = vec![0.0; self.difference_places.len() * terms * (terms + 1) / 2];
+        for colour in colours {
+            let places = colour.at.chunks_exact(terms);
+            let products = places
+                .flat_map(|p| (0..terms).flat_map(move |a| (0..=a).map(move |b| p[a] * p[b])));
+            pairs.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
         }
-        rounded
+        let products = self.sum_products(&pairs, false);
+        let mut targets = vec![0.0; self.nodes.halves.len() * terms];
+        for (colour, weighted) in colours.iter().zip(&self.weighted) {
+            let sums = self.sum_over_nodes(&colour.at, weighted, false);
+            targets.iter_mut().zip(sums).for_each(|(target, sum)| *target += sum);
+        }
+        let sums = Sums { terms, products, targets: vec![targets] };
+        let system = |term: usize| {
+            let mut gram = self.half_places.squares(|place| sums.product(place, term, term));
+            let ridge = self.roughness * gram.mean_diagonal() + f64::MIN_POSITIVE;
+            smooth(&mut gram, basis, ridge, |j| j);
+            for i in 0..basis.count {
+                gram.add(i, i, 1e-6 * ridge);
+            }
+            gram.cholesky()
+        };
+        let systems = (0..terms).map(system).collect();
+        Equations { sums, systems }
     }
 
     /// Solves for the splines over θh.
     pub(crate) fn solve_half(&mut self) {
-        let equations = self.half_equations();
-        for _ in 0..SWEEPS {
-            for term in 0..self.terms() {
-                if let Some(own) = self.half_solution(&equations, term) {
-                    self.set_half_of(term, &own);
-                }
+        let (equations, terms) = (self.half_equations(), self.shape.terms);
+        for term in (0..SWEEPS).flat_map(|_| 0..terms) {
+            if let Some(solution) = equations.half_of(&self.half_places, term, &self.sides.half.at)
+            {
+                self.hold_half(term, &solution);
             }
         }
     }
 
-    /// Returns the equations for the splines over θh, given the other side.
-    pub(crate) fn half_equations(&self) -> HalfEquations {
-        let terms = self.terms();
-        let basis = self.products.shape.half;
-        let squares: Vec<f64> = self
-            .difference
-            .chunks_exact(terms)
-            .flat_map(|p| {
-                let product = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-                (0..terms).flat_map(move |a| (0..=a).map(move |b| product(p[a], p[b])))
-            })
-            .collect();
-        let products = self.sum_over_nodes(&squares, &self.weights, false);
-        let mut targets = vec![[0.0; 3]; self.taps.len() * terms];
-        for channel in 0..self.nodes.channels {
-            let own: Vec<f64> = self.difference.iter().map(|p| p[channel]).collect();
-            let sums = self.sum_over_nodes(&own, &self.weighted_targets(channel), false);
-            targets.iter_mut().zip(sums).for_each(|(target, sum)| target[0] += sum);
-        }
-        let sums = Sums { terms, products, targets };
-        let systems = (0..terms)
-            .into_par_iter()
-            .map(|term| {
-                let mut gram = Mat::<f64>::zeros(basis.count, basis.count);
-                for (point, taps) in self.taps.iter().enumerate() {
-                    let weight = sums.product(point, term, term);
-                    for (&i, a) in taps.at.iter().zip(taps.weights) {
-                        for (&j, b) in taps.at.iter().zip(taps.weights) {
-                            gram[(i, j)] += weight * a * b;
-                        }
-                    }
-                }
-                let mean = (0..basis.count).map(|i| gram[(i, i)]).sum::<f64>() / basis.count as f64;
-                let ridge = self.roughness * mean + f64::MIN_POSITIVE;
-                smooth(&mut gram, basis, ridge, |j| j);
-                for i in 0..basis.count {
-                    gram[(i, i)] += 1e-6 * ridge;
-                }
-                gram.llt(Side::Lower).ok()
-            })
-            .collect();
-        HalfEquations { sums, systems }
-    }
-
-    fn half_solution(&self, equations: &HalfEquations, term: usize) -> Option<Vec<f64>> {
-        let (terms, count) = (self.terms(), self.products.shape.half.count);
-        let system = equations.systems[term].as_ref()?;
-        let mut side = Mat::<f64>::zeros(count, 1);
-        let sums = &equations.sums;
-        for (point, taps) in self.taps.iter().enumerate() {
-            let half = &self.half[point * terms..(point + 1) * terms];
-            let others = half.iter().enumerate().filter(|(other, _)| *other != term);
-            let known: f64 =
-                others.map(|(other, value)| sums.product(point, term, other) * value).sum();
-            let rest = sums.target(point, term)[0] - known;
-            for (&at, weight) in taps.at.iter().zip(taps.weights) {
-                side[(at, 0)] += weight * rest;
-            }
-        }
-        system.solve_in_place_with_conj(Conj::No, side.as_mut());
-        Some((0..count).map(|i| side[(i, 0)]).collect())
-    }
-
-    fn set_half_of(&mut self, term: usize, coefficients: &[f64]) {
-        let (terms, count) = (self.terms(), coefficients.len());
-        self.products.half[term * count..(term + 1) * count].copy_from_slice(coefficients);
-        for (index, taps) in self.taps.iter().enumerate() {
-            self.half[index * terms + term] = taps.read(coefficients);
-        }
+    fn hold_half(&mut self, term: usize, coefficients: &[f64]) {
+        let (terms, count) = (self.shape.terms, coefficients.len());
+        let half = &mut self.sides.half;
+        half.coefficients[term * count..(term + 1) * count].copy_from_slice(coefficients);
+        let values = self.half_places.read(coefficients);
+        half.at[term..].iter_mut().step_by(terms).zip(values).for_each(|(at, value)| *at = value);
     }
 
     /// Returns the integers that the splines over θh become, in a step for each term, and holds those.
-    pub(crate) fn round_half(&mut self, equations: &HalfEquations, steps: &[f64]) -> Vec<i32> {
-        let mut rounded = Vec::new();
-        for (term, &step) in steps.iter().enumerate() {
-            let Some(wanted) = self.half_solution(equations, term) else {
-                rounded.extend(vec![0; self.products.shape.half.count]);
-                continue;
+    pub(crate) fn round_half(&mut self, equations: &Equations, steps: &[f64]) -> Vec<i32> {
+        let count = self.shape.half.count;
+        let mut rounded = Vec::with_capacity(steps.len() * count);
+        for (term, (&step, system)) in steps.iter().zip(&equations.systems).enumerate() {
+            let wanted = equations.half_of(&self.half_places, term, &self.sides.half.at);
+            let found = match (system, wanted) {
+                (Some(system), Some(wanted)) => system.nearest_plane(&wanted, &vec![step; count]),
+                _ => vec![0; count],
             };
-            let Some(system) = &equations.systems[term] else { continue };
-            let found = nearest_plane(system, &wanted, |_| step);
             let held: Vec<f64> = found.iter().map(|&v| f64::from(v) * step).collect();
-            self.set_half_of(term, &held);
+            self.hold_half(term, &held);
             rounded.extend(found);
         }
         rounded
@@ -534,11 +508,12 @@ impl<'a> Alternating<'a> {
 
     /// Root mean square of each term's other side, under the weights.
     pub(crate) fn term_sizes(&self) -> Vec<f64> {
-        let terms = self.terms();
+        let terms = self.shape.terms;
         let mut sums = vec![0.0; terms];
-        for (point, weight) in self.difference.chunks_exact(terms).zip(self.totals(false)) {
-            for (sum, v) in sums.iter_mut().zip(point) {
-                *sum += weight * v.iter().map(|v| v * v).sum::<f64>();
+        let weights = self.totals(false);
+        for colour in &self.sides.difference {
+            for (place, weight) in colour.at.chunks_exact(terms).zip(&weights) {
+                sums.iter_mut().zip(place).for_each(|(sum, v)| *sum += weight * v * v);
             }
         }
         let total: f64 = self.weights.iter().sum();
@@ -546,94 +521,55 @@ impl<'a> Alternating<'a> {
     }
 }
 
-/// Sums over nodes and factored matrices for the coefficients over θd and φd.
-pub(crate) struct DifferenceEquations {
-    sums: Sums,
-    systems: Vec<Option<Llt<f64>>>,
-}
-
-/// Sums over nodes and factored matrices for the splines over θh.
-pub(crate) struct HalfEquations {
-    sums: Sums,
-    systems: Vec<Option<Llt<f64>>>,
-}
-
-/// Returns multiples of steps near `wanted` in the norm of the factored matrix: from the last to the first, each
-/// makes up for what rounding did to those after it.
-fn nearest_plane(system: &Llt<f64>, wanted: &[f64], step: impl Fn(usize) -> f64) -> Vec<i32> {
-    let lower = system.L();
-    let mut rounded = vec![0; wanted.len()];
-    let mut off = vec![0.0; wanted.len()];
-    for i in (0..wanted.len()).rev() {
-        let column = lower.col(i);
-        let owed: f64 = (i + 1..wanted.len()).map(|j| column[j] * off[j]).sum();
-        let aim = wanted[i] + owed / column[i];
-        let count = (aim / step(i)).round().clamp(-4e6, 4e6);
-        #[expect(clippy::cast_possible_truncation, reason = "within the range of an i32")]
-        {
-            rounded[i] = count as i32;
-        }
-        off[i] = wanted[i] - count * step(i);
-    }
-    rounded
-}
-
-/// A colour as its mean and two differences, orthonormal; a single channel as it is.
-pub(crate) fn to_opponent([r, g, b]: [f64; 3], channels: usize) -> [f64; 3] {
-    if channels == 1 {
-        return [r, 0.0, 0.0];
-    }
-    [(r + g + b) / 3_f64.sqrt(), (r - b) / 2_f64.sqrt(), (r - 2.0 * g + b) / 6_f64.sqrt()]
-}
-
-/// The colour of [`to_opponent`].
-pub(crate) fn from_opponent([mean, warm, magenta]: [f64; 3], channels: usize) -> [f64; 3] {
-    if channels == 1 {
-        return [mean, 0.0, 0.0];
-    }
-    let (a, b, c) = (mean / 3_f64.sqrt(), warm / 2_f64.sqrt(), magenta / 6_f64.sqrt());
-    [a + b + c, a - 2.0 * c, a - b + c]
-}
-
-/// Adds weights times the squares of rows to the lower triangle.
-///
-/// Rows with the same splines over θd, which follow each other on a grid, are first added up over φd.
-fn add_squares(gram: &mut Mat<f64>, rows: &[DifferenceRow], weight: impl Fn(usize) -> f64) {
-    let count = rows.first().map_or(0, |row| row.harmonics.len());
-    let mut angular = vec![0.0; count * count];
-    let mut point = 0;
-    for group in rows.chunk_by(|a, b| a.taps == b.taps) {
-        angular.fill(0.0);
-        for row in group {
-            let weight = weight(point);
-            for (line, a) in angular.chunks_exact_mut(count).zip(&row.harmonics) {
-                for (sum, b) in line.iter_mut().zip(&row.harmonics) {
-                    *sum += weight * a * b;
-                }
-            }
-            point += 1;
-        }
-        let taps = &group[0].taps;
-        for (&j, b) in taps.at.iter().zip(taps.weights) {
-            for (m, line) in angular.chunks_exact(count).enumerate() {
-                let column = gram.col_as_slice_mut(j * count + m);
-                for (&i, a) in taps.at.iter().zip(taps.weights).filter(|(i, _)| **i >= j) {
-                    let own = &mut column[i * count..(i + 1) * count];
-                    own.iter_mut().zip(line).for_each(|(sum, value)| *sum += a * b * value);
-                }
-            }
-        }
+impl Values {
+    /// Takes these coefficients of a term over θd and φd.
+    #[inline(always)]
+    fn hold(&mut self, places: &DifferencePlaces, term: usize, terms: usize, coefficients: &[f64]) {
+        let length = coefficients.len();
+        self.coefficients[term * length..(term + 1) * length].copy_from_slice(coefficients);
+        places.read(coefficients, &mut self.at[term..], terms);
     }
 }
 
-/// Adds the squares of second differences along a basis to a matrix.
-fn smooth(gram: &mut Mat<f64>, basis: CubicBasis, weight: f64, at: impl Fn(usize) -> usize) {
-    for middle in 1..basis.count - 1 {
-        let stencil = [(middle - 1, 1.0), (middle, -2.0), (middle + 1, 1.0)];
-        for (i, a) in stencil {
-            for (j, b) in stencil {
-                gram[(at(i), at(j))] += weight * a * b;
-            }
+impl Equations {
+    /// Returns the coefficients over θd and φd of one term and colour that are best beside the others.
+    #[inline(always)]
+    fn difference_of(
+        &self,
+        places: &DifferencePlaces,
+        targets: &[f64],
+        term: usize,
+        values: &[f64],
+    ) -> Option<Vec<f64>> {
+        let system = self.systems[term].as_ref()?;
+        let mut rest = vec![0.0; places.len()];
+        self.sums.rest(targets, term, values, &mut rest);
+        let mut side = vec![0.0; system.size()];
+        places.side(&rest, &mut side);
+        system.solve(&mut side);
+        Some(side)
+    }
+
+    /// Returns the spline over θh of one term that is best beside the others.
+    fn half_of(&self, places: &HalfPlaces, term: usize, values: &[f64]) -> Option<Vec<f64>> {
+        let system = self.systems[term].as_ref()?;
+        let mut rest = vec![0.0; values.len() / self.sums.terms];
+        self.sums.rest(&self.sums.targets[0], term, values, &mut rest);
+        let mut side = places.side(&rest);
+        system.solve(&mut side);
+        Some(side)
+    }
+}
+
+/// Replaces terms by sums of the terms that there were: new ← Σ turn(new, old) old.
+fn turn_terms(coefficients: &mut [f64], terms: usize, turn: impl Fn(usize, usize) -> f64) {
+    let length = coefficients.len() / terms;
+    let before = coefficients.to_vec();
+    for (new, own) in coefficients.chunks_exact_mut(length).enumerate() {
+        own.fill(0.0);
+        for (old, before) in before.chunks_exact(length).enumerate() {
+            let factor = turn(new, old);
+            own.iter_mut().zip(before).for_each(|(own, before)| *own += factor * before);
         }
     }
 }

@@ -1,10 +1,8 @@
 //! Fits: which axis, which offset, how many functions, and how coarse coefficients may be.
 
 use brdf_job::Job;
-use brdf_model::{
-    Brdf, Channels, Fidelity, FidelityErrors, PairSampling, Rgb, SampleSet, ScrambledSobol,
-};
-use brdf_param::{DirectionPair, HalfDifference};
+use brdf_model::{Brdf, Channels, Fidelity, FidelityErrors, Rgb, SampleSet};
+use brdf_param::DirectionPair;
 use rayon::prelude::*;
 
 use crate::alternating::{Alternating, ROUGHNESS};
@@ -12,10 +10,11 @@ use crate::basis::CubicBasis;
 use crate::channel::Channel;
 use crate::error::SplineError;
 use crate::harmonics::Symmetry;
-use crate::model::{SplineBrdf, stream};
+use crate::judges::{Judges, evaluate, values_at};
+use crate::model::SplineBrdf;
 use crate::nodes::{NodeGrid, Nodes};
 use crate::products::{Products, Shape};
-use crate::stream::{Quantized, Steps};
+use crate::rounding::quantize;
 use crate::warp::HalfAxis;
 
 /// Bytes that a model may have.
@@ -34,14 +33,8 @@ const TRIAL_STEPS: usize = 8;
 const STEPS: usize = 18;
 /// Steps after which nodes are weighed anew.
 const REWEIGHED: [usize; 4] = [3, 6, 10, 14];
-/// Pairs of each set that trials and symmetries are judged by.
-const JUDGED_PAIRS: u32 = 1500;
-/// Largest angle to the normal of those pairs, radians.
-const JUDGED_THETA: f64 = 80.0 * std::f64::consts::PI / 180.0;
 /// Error below which a symmetry is taken to hold: a third of that of a model of a few kilobytes.
 const SYMMETRIC: f64 = 0.006;
-/// Steps of g beside those of the other side, both seen in y.
-const HALF_STEP: f64 = 0.7;
 
 /// How a material is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -343,7 +336,7 @@ fn try_axes(
             fit.step(step == 3);
         }
         job.advance(1);
-        SplineTrial { score: judge(&fit.products, &channels), ..trial }
+        SplineTrial { score: judge(&fit.products(), &channels), ..trial }
     };
     let middle = roughnesses[roughnesses.len() / 2];
     let first = SplineTrial {
@@ -398,142 +391,4 @@ fn finish(
         trials: Vec::new(),
         asymmetry: None,
     })
-}
-
-/// Rounds coefficients as finely as the bytes allow.
-fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: usize) -> Quantized {
-    const ROUNDS: usize = 2;
-    const HALVINGS: usize = 8;
-    let start = fit.products.clone();
-    let shape = start.shape.clone();
-    let exponents: Vec<i8> =
-        fit.term_sizes().iter().map(|size| exponent(size / HALF_STEP)).collect();
-    let mut guess = 2e-3;
-    let mut found = None;
-    for round in 0..ROUNDS {
-        fit.reset(&start);
-        let mut steps =
-            Steps { half: narrow(guess), exponents: exponents.clone(), difference: narrow(guess) };
-        let half = fit.round_half(&fit.half_equations(), &steps.of_half());
-        let equations = fit.difference_equations();
-        let factor: f64 = if round == 0 { 500.0 } else { 3.0 };
-        let (mut low, mut high) = ((guess / factor).ln(), (guess * factor).ln());
-        let mut fits = None;
-        for halving in 0..HALVINGS + 8 {
-            let middle = if halving < HALVINGS { 0.5 * (low + high) } else { high };
-            steps.difference = narrow(middle.exp());
-            let difference = fit.round_difference(&equations, &steps.of_difference(&shape));
-            let made = Quantized {
-                shape: shape.clone(),
-                steps: steps.clone(),
-                half: half.clone(),
-                difference,
-            };
-            if stream(&made, channels).len() <= bytes {
-                (high, fits) = (middle, Some(made));
-            } else if halving < HALVINGS {
-                low = middle;
-            } else {
-                // Even the coarsest so far takes too many bytes.
-                high += 0.7;
-            }
-            if halving + 1 >= HALVINGS && fits.is_some() {
-                break;
-            }
-        }
-        guess = high.exp();
-        found = fits.or(found);
-    }
-    found.unwrap_or_else(|| {
-        let difference = vec![[0; 3]; shape.terms * shape.difference_len()];
-        let half = vec![0; shape.terms * shape.half.count];
-        Quantized {
-            shape,
-            steps: Steps { half: 1.0, exponents, difference: 1.0 },
-            half,
-            difference,
-        }
-    })
-}
-
-/// The exponent of steps for terms of a size.
-#[expect(clippy::cast_possible_truncation, reason = "within the range of an i8")]
-fn exponent(size: f64) -> i8 {
-    (4.0 * size.max(1e-30).log2()).round().clamp(-127.0, 127.0) as i8
-}
-
-/// Returns the values of products that are not rounded.
-fn evaluate(products: &Products, channels: &[Channel], pairs: &[DirectionPair]) -> Vec<Rgb> {
-    let harmonics = products.shape.harmonics();
-    let values = pairs.iter().map(|pair| {
-        let angles = HalfDifference::from_pair(pair);
-        let y = products.eval_with(&harmonics, angles.theta_h, angles.theta_d, angles.phi_d);
-        match channels {
-            [grey] => Rgb::splat(grey.value(y[0])),
-            _ => Rgb::from(std::array::from_fn(|c| channels[c].value(y[c]))),
-        }
-    });
-    values.collect()
-}
-
-/// Pairs that are neither nodes nor what models are held out on, and the material there.
-struct Judges {
-    sets: [Vec<DirectionPair>; 2],
-    values: [Vec<Rgb>; 2],
-    is_grey: bool,
-}
-
-impl Judges {
-    fn new(brdf: &dyn Brdf, settings: &SplineSettings) -> Self {
-        let seed = ScrambledSobol::validation_seed(settings.seed);
-        let sampling = PairSampling { count: JUDGED_PAIRS, seed, theta_max: JUDGED_THETA };
-        let known = |pairs: Vec<DirectionPair>| -> Vec<DirectionPair> {
-            pairs.into_iter().filter(|p| brdf.has_data(p) && brdf.has_data(&p.swapped())).collect()
-        };
-        let uniform = known(sampling.pairs().collect());
-        let half = PairSampling { count: JUDGED_PAIRS / 2, ..sampling };
-        let highlight = known(half.highlight_pairs().collect());
-        let is_grey = settings.channels == Channels::Luminance;
-        let sets = [uniform, highlight];
-        let values = sets.each_ref().map(|pairs| values_at(brdf, pairs, is_grey));
-        Self { sets, values, is_grey }
-    }
-
-    /// Errors of the material against its mirror image, and against itself with directions exchanged.
-    fn asymmetry(&self, brdf: &dyn Brdf) -> [f64; 2] {
-        let mirrored = |pair: &DirectionPair| {
-            let flip = |mut w: glam::DVec3| {
-                w.y = -w.y;
-                w
-            };
-            DirectionPair::new(flip(pair.wi), flip(pair.wo))
-        };
-        [mirrored, DirectionPair::swapped].map(|change: fn(&DirectionPair) -> DirectionPair| {
-            self.judge(|pairs| {
-                let changed: Vec<DirectionPair> = pairs.iter().map(change).collect();
-                values_at(brdf, &changed, self.is_grey)
-            })
-        })
-    }
-
-    fn score(&self, products: &Products, channels: &[Channel]) -> f64 {
-        self.judge(|pairs| evaluate(products, channels, pairs))
-    }
-
-    fn judge(&self, values: impl Fn(&[DirectionPair]) -> Vec<Rgb>) -> f64 {
-        let [uniform, highlight] = [0, 1].map(|set| {
-            let pairs = &self.sets[set];
-            FidelityErrors::of(pairs, &self.values[set], &values(pairs))
-        });
-        Fidelity { uniform, highlight }.score()
-    }
-}
-
-fn values_at(brdf: &dyn Brdf, pairs: &[DirectionPair], is_grey: bool) -> Vec<Rgb> {
-    let mut values = Vec::new();
-    brdf.eval_pairs(pairs, &mut values);
-    if is_grey {
-        values.iter_mut().for_each(|value| *value = Rgb::splat(value.luminance()));
-    }
-    values
 }

@@ -23,6 +23,7 @@
 //! ```
 
 mod alternating;
+mod banded;
 mod basis;
 mod batch;
 mod channel;
@@ -30,9 +31,13 @@ mod coder;
 mod error;
 mod fit;
 mod harmonics;
+mod judges;
 mod model;
 mod nodes;
+mod opponent;
+mod places;
 mod products;
+mod rounding;
 mod stream;
 mod table;
 mod warp;

@@ -1,7 +1,7 @@
 //! A sum of products in as few bytes as it takes: integers under an arithmetic coder.
 
-use crate::alternating::from_opponent;
 use crate::coder::{Bit, Coder, Decoder, Encoder, Magnitudes};
+use crate::opponent::from_opponent;
 use crate::products::{Products, Shape};
 use crate::warp::difference_angle;
 

@@ -1,0 +1,173 @@
+//! The splines of either side at the places of the nodes, and what least squares over them need.
+
+use std::ops::Range;
+
+use crate::banded::{Banded, add, dot};
+use crate::basis::{CubicBasis, Taps};
+use crate::nodes::Difference;
+use crate::products::Shape;
+use crate::warp::difference_axis;
+
+/// Splines over θh at places.
+pub(crate) struct HalfPlaces {
+    basis: CubicBasis,
+    taps: Vec<Taps>,
+}
+
+impl HalfPlaces {
+    pub(crate) fn new(shape: &Shape, theta_h: &[f64]) -> Self {
+        let taps = theta_h.iter().map(|&theta| shape.half_taps(theta)).collect();
+        Self { basis: shape.half, taps }
+    }
+
+    /// Returns the value of the spline of these coefficients at each place.
+    pub(crate) fn read(&self, coefficients: &[f64]) -> impl Iterator<Item = f64> {
+        self.taps.iter().map(|taps| taps.read(coefficients))
+    }
+
+    /// Returns the sums over places of a value times each spline.
+    pub(crate) fn side(&self, values: &[f64]) -> Vec<f64> {
+        let mut side = vec![0.0; self.basis.count];
+        for (taps, value) in self.taps.iter().zip(values) {
+            for (&at, weight) in taps.at.iter().zip(taps.weights) {
+                side[at] += weight * value;
+            }
+        }
+        side
+    }
+
+    /// Returns the sums over places of a weight times products of two splines.
+    pub(crate) fn squares(&self, weight: impl Fn(usize) -> f64) -> Banded {
+        let mut gram = Banded::zeros(self.basis.count, 4);
+        for (point, taps) in self.taps.iter().enumerate() {
+            let weight = weight(point);
+            for (&i, a) in taps.at.iter().zip(taps.weights) {
+                for (&j, b) in taps.at.iter().zip(taps.weights).filter(|(j, _)| **j <= i) {
+                    gram.add(i, j, weight * a * b);
+                }
+            }
+        }
+        gram
+    }
+}
+
+/// Splines over θd times harmonics of φd at places.
+pub(crate) struct DifferencePlaces {
+    basis: CubicBasis,
+    /// Harmonics of each place.
+    count: usize,
+    harmonics: Vec<f64>,
+    /// Places that follow each other and have the same θd, as those of a grid do.
+    rings: Vec<Ring>,
+}
+
+struct Ring {
+    taps: Taps,
+    places: Range<usize>,
+}
+
+impl DifferencePlaces {
+    pub(crate) fn new(shape: &Shape, places: &[Difference]) -> Self {
+        let functions = shape.harmonics();
+        let mut rings: Vec<Ring> = Vec::new();
+        for group in places.chunk_by(|a, b| a.theta.total_cmp(&b.theta).is_eq()) {
+            let start = rings.last().map_or(0, |ring| ring.places.end);
+            let taps = shape.difference.taps(difference_axis(group[0].theta));
+            rings.push(Ring { taps, places: start..start + group.len() });
+        }
+        let at = |place: &Difference| {
+            let (sin, phi) = (place.theta.sin(), place.phi);
+            functions.iter().map(move |function| function.value(sin, phi)).collect::<Vec<_>>()
+        };
+        Self {
+            basis: shape.difference,
+            count: functions.len(),
+            harmonics: places.iter().flat_map(at).collect(),
+            rings,
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.rings.last().map_or(0, |ring| ring.places.end)
+    }
+
+    fn at(&self, place: usize) -> &[f64] {
+        &self.harmonics[place * self.count..(place + 1) * self.count]
+    }
+
+    /// Writes the value of the function of these coefficients at each place into every `stride`th number.
+    #[inline(always)]
+    pub(crate) fn read(&self, coefficients: &[f64], values: &mut [f64], stride: usize) {
+        let mut own = vec![0.0; self.count];
+        for Ring { taps, places } in &self.rings {
+            own.fill(0.0);
+            for (&j, weight) in taps.at.iter().zip(taps.weights) {
+                add(weight, &coefficients[j * self.count..(j + 1) * self.count], &mut own);
+            }
+            for place in places.clone() {
+                values[place * stride] = dot(&own, self.at(place));
+            }
+        }
+    }
+
+    /// Writes the sums over places of a value times each function, in the order of coefficients.
+    #[inline(always)]
+    pub(crate) fn side(&self, values: &[f64], side: &mut [f64]) {
+        side.fill(0.0);
+        let mut own = vec![0.0; self.count];
+        for Ring { taps, places } in &self.rings {
+            own.fill(0.0);
+            for place in places.clone() {
+                add(values[place], self.at(place), &mut own);
+            }
+            for (&j, weight) in taps.at.iter().zip(taps.weights) {
+                add(weight, &own, &mut side[j * self.count..(j + 1) * self.count]);
+            }
+        }
+    }
+
+    /// Returns the sums over places of a weight times products of two functions.
+    #[inline(always)]
+    pub(crate) fn squares(&self, weight: impl Fn(usize) -> f64) -> Banded {
+        let count = self.count;
+        let mut gram = Banded::zeros(self.basis.count * count, 4 * count);
+        let mut angular = vec![0.0; count * count];
+        for Ring { taps, places } in &self.rings {
+            angular.fill(0.0);
+            for place in places.clone() {
+                let (weight, harmonics) = (weight(place), self.at(place));
+                for (line, value) in angular.chunks_exact_mut(count).zip(harmonics) {
+                    add(weight * value, harmonics, line);
+                }
+            }
+            for (a, &i) in taps.at.iter().enumerate() {
+                for (b, &j) in taps.at[..=a].iter().enumerate() {
+                    let weight = taps.weights[a] * taps.weights[b];
+                    for (m, line) in angular.chunks_exact(count).enumerate() {
+                        let columns = if i == j { m + 1 } else { count };
+                        let row = gram.row_mut(i * count + m, j * count, columns);
+                        add(weight, line, row);
+                    }
+                }
+            }
+        }
+        gram
+    }
+}
+
+/// Adds the squares of second differences along a basis to a matrix.
+pub(crate) fn smooth(
+    gram: &mut Banded,
+    basis: CubicBasis,
+    weight: f64,
+    at: impl Fn(usize) -> usize,
+) {
+    for middle in 1..basis.count - 1 {
+        let stencil = [(middle - 1, 1.0), (middle, -2.0), (middle + 1, 1.0)];
+        for (a, (i, x)) in stencil.into_iter().enumerate() {
+            for &(j, y) in &stencil[..=a] {
+                gram.add(at(i), at(j), weight * x * y);
+            }
+        }
+    }
+}
