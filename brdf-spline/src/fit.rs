@@ -10,7 +10,7 @@ use crate::basis::CubicBasis;
 use crate::channel::Channel;
 use crate::error::SplineError;
 use crate::harmonics::Symmetry;
-use crate::judges::{Judges, evaluate, values_at};
+use crate::judges::{Judges, evaluate};
 use crate::model::SplineBrdf;
 use crate::nodes::{NodeGrid, Nodes};
 use crate::products::{Products, Shape};
@@ -26,8 +26,6 @@ const ALPHAS: [f64; 3] = [0.004, 0.014, 0.05];
 const OFFSETS: [f64; 3] = [1e-4, 1e-3, 5e-3];
 /// Roughnesses that are tried with scattered samples, which leave gaps.
 const ROUGHNESSES: [f64; 3] = [1e-5, 1e-3, 1e-1];
-/// Bytes above which a model of a quarter of them is made too, and kept if it is better.
-const LARGE: usize = 12_000;
 /// Steps of a trial, and of the fit.
 const TRIAL_STEPS: usize = 8;
 const STEPS: usize = 18;
@@ -119,22 +117,8 @@ pub fn fit_splines(
     };
     let best = best(&trials);
 
-    let make = |bytes: usize, job: &Job<'_>| {
-        let size = Size::for_bytes(bytes, symmetry, channels);
-        let nodes = Nodes::of_grid(brdf, size.grid, symmetry, channels);
-        finish(&nodes, size, symmetry, best, bytes, job)
-    };
-    let [fitting, checking] = fitting.split([4.0, 1.0]);
-    let mut made = make(settings.bytes, &fitting)?;
-    if settings.bytes > LARGE {
-        // The largest models of some reciprocal tables come out worse than small ones; why is not known yet.
-        let smaller = make(settings.bytes / 4, &checking)?;
-        let [large, small] = [&made, &smaller]
-            .map(|fit| judges.judge(|pairs| values_at(&fit.model, pairs, judges.is_grey)));
-        if small < large {
-            made = smaller;
-        }
-    }
+    let nodes = Nodes::of_grid(brdf, size.grid, symmetry, channels);
+    let mut made = finish(&nodes, size, symmetry, best, settings.bytes, &fitting)?;
     made.trials = trials;
     made.asymmetry = found;
     Ok(made)
@@ -255,7 +239,7 @@ impl Size {
         let table = &Self::MEASURED;
         let above = (1..table.len() - 1).find(|&i| table[i][0] > bytes).unwrap_or(table.len() - 1);
         let [low, high] = [table[above - 1], table[above]];
-        let t = ((bytes / low[0]).ln() / (high[0] / low[0]).ln()).clamp(0.0, 1.0);
+        let t = ((bytes / low[0]).ln() / (high[0] / low[0]).ln()).max(0.0);
         let at = |i: usize| (low[i] + t * (high[i] - low[i])).round() as usize;
         let order = at(4) + usize::from(symmetry.is_reciprocal() && at(4) % 2 == 1);
         Self {

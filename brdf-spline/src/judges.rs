@@ -34,7 +34,7 @@ pub(crate) fn evaluate(
 pub(crate) struct Judges {
     sets: [Vec<DirectionPair>; 2],
     values: [Vec<Rgb>; 2],
-    pub(crate) is_grey: bool,
+    is_grey: bool,
 }
 
 impl Judges {
@@ -74,7 +74,7 @@ impl Judges {
         self.judge(|pairs| evaluate(products, channels, pairs))
     }
 
-    pub(crate) fn judge(&self, values: impl Fn(&[DirectionPair]) -> Vec<Rgb>) -> f64 {
+    fn judge(&self, values: impl Fn(&[DirectionPair]) -> Vec<Rgb>) -> f64 {
         let [uniform, highlight] = [0, 1].map(|set| {
             let pairs = &self.sets[set];
             FidelityErrors::of(pairs, &self.values[set], &values(pairs))
@@ -83,7 +83,7 @@ impl Judges {
     }
 }
 
-pub(crate) fn values_at(brdf: &dyn Brdf, pairs: &[DirectionPair], is_grey: bool) -> Vec<Rgb> {
+fn values_at(brdf: &dyn Brdf, pairs: &[DirectionPair], is_grey: bool) -> Vec<Rgb> {
     let mut values = Vec::new();
     brdf.eval_pairs(pairs, &mut values);
     if is_grey {

@@ -28,6 +28,7 @@ mod basis;
 mod batch;
 mod channel;
 mod coder;
+mod equations;
 mod error;
 mod fit;
 mod harmonics;

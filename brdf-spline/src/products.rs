@@ -82,19 +82,6 @@ impl DifferenceRow {
         }
         sum
     }
-
-    /// Adds the row times a value of each channel to a right-hand side that is laid out like coefficients.
-    pub(crate) fn add_to(&self, value: [f64; 3], side: &mut [[f64; 3]]) {
-        let count = self.harmonics.len();
-        for (&at, weight) in self.taps.at.iter().zip(self.taps.weights) {
-            let own = &mut side[at * count..(at + 1) * count];
-            for (harmonic, side) in self.harmonics.iter().zip(own) {
-                for (side, value) in side.iter_mut().zip(value) {
-                    *side += weight * harmonic * value;
-                }
-            }
-        }
-    }
 }
 
 impl Products {

@@ -7,6 +7,8 @@ use crate::stream::{Quantized, Steps};
 
 /// Steps of g beside those of the other side, both seen in y.
 const HALF_STEP: f64 = 0.7;
+/// Finest step of the other side: finer ones lower no error, and integers would end before coefficients do.
+const FINEST: f64 = 1e-5;
 /// Times that g is rounded, in steps that follow from those found before.
 const ROUNDS: usize = 2;
 /// Times that the range of steps is halved.
@@ -27,7 +29,7 @@ pub(crate) fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: u
         let half = fit.round_half(&fit.half_equations(), &steps.of_half());
         let equations = fit.difference_equations();
         let factor: f64 = if round == 0 { 500.0 } else { 3.0 };
-        let (mut low, mut high) = ((guess / factor).ln(), (guess * factor).ln());
+        let (mut low, mut high) = ((guess / factor).max(FINEST).ln(), (guess * factor).ln());
         let mut fits = None;
         for halving in 0..HALVINGS + 8 {
             let middle = if halving < HALVINGS { 0.5 * (low + high) } else { high };
