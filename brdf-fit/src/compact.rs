@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use brdf_job::Job;
+use brdf_job::{Job, Stopped};
 use brdf_model::{
     ANISOTROPIC, Brdf, Channels, Dropped, Fidelity, FidelityPairs, FitErrors, GgxLobes,
     PairSampling, SampleSet, ScrambledSobol, anisotropy, largest_albedo, log_offsets, measure,
@@ -25,6 +25,9 @@ use crate::training::{FOLDS, drawn};
 const LOBE_PAIRS: u32 = 1500;
 /// Rows of scattered samples that lobes are fitted to at most.
 const LOBE_ROWS: usize = 6000;
+
+/// Lobes that complete scattered rows.
+const PRIOR_LOBES: usize = 2;
 
 /// Which compact model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -364,7 +367,12 @@ fn fit_rows(
             let seed = settings.seed;
             let spline =
                 SplineSettings { bytes, channels, seed, axis, ..SplineSettings::default() };
-            Ok(splines(fit_spline_samples(rows, &spline, job)?))
+            let prior = |rows: &SampleSet| -> Result<Box<dyn Brdf>, Stopped> {
+                let few = rows.subset(LOBE_ROWS);
+                let problem = LobeProblem::new(&few, &SampleSet::new(rows.channels()));
+                Ok(Box::new(problem.solve(PRIOR_LOBES, job)?))
+            };
+            Ok(splines(fit_spline_samples(rows, Some(&prior), &spline, job)?))
         }
         CompactMethod::Ggx { lobes } => {
             let few = rows.subset(LOBE_ROWS);

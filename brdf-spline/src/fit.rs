@@ -1,6 +1,6 @@
 //! Fits: which axis, which offset, how many functions, and how coarse coefficients may be.
 
-use brdf_job::Job;
+use brdf_job::{Job, Stopped};
 use brdf_model::{Brdf, Channels, Fidelity, FidelityErrors, Rgb, SampleSet};
 use brdf_param::DirectionPair;
 use rayon::prelude::*;
@@ -26,6 +26,8 @@ const ALPHAS: [f64; 3] = [0.004, 0.014, 0.05];
 const OFFSETS: [f64; 3] = [1e-4, 1e-3, 5e-3];
 /// Roughnesses that are tried with scattered samples, which leave gaps.
 const ROUGHNESSES: [f64; 3] = [1e-5, 1e-3, 1e-1];
+/// Shares that are tried of a prior, beside all samples.
+const PRIORS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Steps of a trial, and of the fit.
 const TRIAL_STEPS: usize = 8;
 const STEPS: usize = 18;
@@ -45,7 +47,7 @@ pub struct SplineSettings {
     pub symmetry: Option<Symmetry>,
     /// Which pairs trials are judged by.
     pub seed: u64,
-    /// Axis, offset and roughness of an earlier fit, to be taken as they are; none to try some.
+    /// Axis, offset, roughness and share of a prior of an earlier fit, to be taken as they are; none to try some.
     pub axis: Option<SplineTrial>,
 }
 
@@ -82,6 +84,8 @@ pub struct SplineTrial {
     pub offset: f64,
     /// Weight of second differences, relative to that of what is fitted.
     pub roughness: f64,
+    /// Weight of the prior of scattered samples, relative to that of all samples.
+    pub prior: f64,
     /// The geometric mean of errors of [`Fidelity::score`], for a small model that is not rounded.
     pub score: f64,
 }
@@ -113,7 +117,10 @@ pub fn fit_splines(
     let judge = |products: &Products, channels: &[Channel]| judges.score(products, channels);
     let trials = match settings.axis {
         Some(axis) => vec![axis],
-        None => try_axes(&nodes, Size::trial(size), symmetry, &[ROUGHNESS], &judge, &trying)?,
+        None => {
+            let nodes = [(0.0, nodes)];
+            try_axes(&nodes, Size::trial(size), symmetry, &[ROUGHNESS], &judge, &trying)?
+        }
     };
     let best = best(&trials);
 
@@ -124,18 +131,23 @@ pub fn fit_splines(
     Ok(made)
 }
 
+/// What stands in for a material where its samples say nothing, made of the samples.
+pub type Prior<'a> = &'a (dyn Fn(&SampleSet) -> Result<Box<dyn Brdf>, Stopped> + Sync);
+
 /// Returns the model of scattered samples of an isotropic material in at most so many bytes, or in fewer where there
 /// are few samples.
 ///
-/// Samples are fitted as they are and count the same. Without [`SplineSettings::symmetry`] both symmetries are taken to
-/// hold, since few samples can tell. A fifth of the samples, every fifth in their order, judges the trials; the model
-/// is fitted to all of them.
+/// Samples are fitted as they are and count the same. A prior is fitted beside them everywhere, at a small share of
+/// their weight, so that it decides where they are far. Without [`SplineSettings::symmetry`] both symmetries are taken
+/// to hold, since few samples can tell. A fifth of the samples, every fifth in their order, judges the trials; the
+/// model is fitted to all of them.
 ///
 /// # Errors
 ///
 /// As [`fit_splines`].
 pub fn fit_spline_samples(
     samples: &SampleSet,
+    prior: Option<Prior<'_>>,
     settings: &SplineSettings,
     job: &Job<'_>,
 ) -> Result<SplineFit, SplineError> {
@@ -156,8 +168,7 @@ pub fn fit_spline_samples(
     let (aside, kept): (Vec<usize>, Vec<usize>) =
         (0..samples.len()).partition(|index| index % 5 == 4);
     let (aside, kept) = (samples.select(&aside), samples.select(&kept));
-    let nodes = Nodes::of_samples(&kept);
-    check_data(&nodes)?;
+    check_data(&Nodes::of_samples(&kept, None))?;
     let pairs: Vec<DirectionPair> = aside.pairs().collect();
     let reference: Vec<Rgb> = (0..aside.len()).map(|index| aside.rgb(index)).collect();
     let judge = |products: &Products, channels: &[Channel]| {
@@ -167,10 +178,22 @@ pub fn fit_spline_samples(
     };
     let trials = match settings.axis {
         Some(axis) => vec![axis],
-        None => try_axes(&nodes, Size::trial(size), symmetry, &ROUGHNESSES, &judge, &trying)?,
+        None => {
+            let nodes: Vec<(f64, Nodes)> = match prior {
+                None => vec![(0.0, Nodes::of_samples(&kept, None))],
+                Some(prior) => {
+                    let model = prior(&kept)?;
+                    let of = |share| (share, Nodes::of_samples(&kept, Some((&*model, share))));
+                    PRIORS.map(of).into()
+                }
+            };
+            try_axes(&nodes, Size::trial(size), symmetry, &ROUGHNESSES, &judge, &trying)?
+        }
     };
-    let nodes = Nodes::of_samples(&samples);
-    let mut made = finish(&nodes, size, symmetry, best(&trials), bytes, &fitting)?;
+    let best = best(&trials);
+    let model = prior.map(|prior| prior(&samples)).transpose()?;
+    let nodes = Nodes::of_samples(&samples, model.as_deref().map(|model| (model, best.prior)));
+    let mut made = finish(&nodes, size, symmetry, best, bytes, &fitting)?;
     made.trials = trials;
     Ok(made)
 }
@@ -298,18 +321,21 @@ fn offsets_of(channels: &[Channel]) -> [f64; 3] {
 
 type Judge<'a> = &'a (dyn Fn(&Products, &[Channel]) -> f64 + Sync);
 
-/// Tries axes, then offsets, then roughnesses.
+/// Tries axes, then offsets, then roughnesses, then shares of a prior, for each of which there are nodes; the middle
+/// one of each first.
 fn try_axes(
-    nodes: &Nodes,
+    nodes: &[(f64, Nodes)],
     size: Size,
     symmetry: Symmetry,
     roughnesses: &[f64],
     judge: Judge<'_>,
     job: &Job<'_>,
 ) -> Result<Vec<SplineTrial>, SplineError> {
-    let count = ALPHAS.len() + OFFSETS.len() + roughnesses.len() - 2;
+    let count = ALPHAS.len() + OFFSETS.len() + roughnesses.len() + nodes.len() - 3;
     job.begin("trying axes", count as u64);
     let run = |trial: SplineTrial| {
+        let with_prior = nodes.iter().find(|(share, _)| share.total_cmp(&trial.prior).is_eq());
+        let nodes = with_prior.map_or(&nodes[0].1, |(_, nodes)| nodes);
         let channels = channels_of(nodes, trial.offset);
         let shape = size.shape(trial.alpha, symmetry, nodes.channels);
         let mut fit = Alternating::new(nodes, shape, offsets_of(&channels), trial.roughness);
@@ -322,26 +348,31 @@ fn try_axes(
         job.advance(1);
         SplineTrial { score: judge(&fit.products(), &channels), ..trial }
     };
-    let middle = roughnesses[roughnesses.len() / 2];
+    let priors: Vec<f64> = nodes.iter().map(|(share, _)| *share).collect();
     let first = SplineTrial {
-        alpha: ALPHAS[1],
-        offset: OFFSETS[1],
-        roughness: middle,
+        alpha: middle(&ALPHAS),
+        offset: middle(&OFFSETS),
+        roughness: middle(roughnesses),
+        prior: middle(&priors),
         score: f64::INFINITY,
     };
     let mut trials: Vec<SplineTrial> =
         ALPHAS.par_iter().map(|&alpha| run(SplineTrial { alpha, ..first })).collect();
-    let with_axis = best(&trials);
-    let offsets = [OFFSETS[0], OFFSETS[2]];
-    trials.par_extend(offsets.par_iter().map(|&offset| run(SplineTrial { offset, ..with_axis })));
-    let with_offset = best(&trials);
-    let others: Vec<f64> =
-        roughnesses.iter().copied().filter(|r| r.total_cmp(&middle).is_ne()).collect();
-    trials.par_extend(
-        others.par_iter().map(|&roughness| run(SplineTrial { roughness, ..with_offset })),
-    );
+    let mut try_others = |values: &[f64], change: fn(SplineTrial, f64) -> SplineTrial| {
+        let so_far = best(&trials);
+        let others: Vec<f64> =
+            values.iter().copied().filter(|v| v.total_cmp(&middle(values)).is_ne()).collect();
+        trials.par_extend(others.par_iter().map(|&value| run(change(so_far, value))));
+    };
+    try_others(&OFFSETS, |trial, offset| SplineTrial { offset, ..trial });
+    try_others(roughnesses, |trial, roughness| SplineTrial { roughness, ..trial });
+    try_others(&priors, |trial, prior| SplineTrial { prior, ..trial });
     job.check()?;
     Ok(trials)
+}
+
+fn middle(values: &[f64]) -> f64 {
+    values[values.len() / 2]
 }
 
 fn finish(

@@ -46,7 +46,7 @@ mod weights;
 
 pub use error::SplineError;
 pub use fit::{
-    SPLINE_BYTES, SplineFit, SplineSettings, SplineTrial, fit_spline_samples, fit_splines,
+    Prior, SPLINE_BYTES, SplineFit, SplineSettings, SplineTrial, fit_spline_samples, fit_splines,
 };
 pub use harmonics::Symmetry;
 pub use model::SplineBrdf;

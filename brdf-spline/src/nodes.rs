@@ -17,6 +17,9 @@ const JUDGED: f64 = 80.0 * PI / 180.0;
 /// What they count beside the others.
 const BEYOND: f64 = 0.02;
 
+/// Nodes of a prior.
+const PRIOR: NodeGrid = NodeGrid { theta_h: 36, theta_d: 12, phi_d: 8 };
+
 /// Numbers of nodes along each angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NodeGrid {
@@ -104,51 +107,41 @@ impl Nodes {
         symmetry: Symmetry,
         channels: usize,
     ) -> Self {
-        let halves: Vec<(f64, f64)> = grid.halves().collect();
-        let differences: Vec<(Difference, f64)> = grid.differences(symmetry).collect();
-        let columns: Vec<Vec<Node>> = differences
-            .par_iter()
-            .map(|&(difference, step_d)| {
-                let mut column = vec![Node::default(); halves.len()];
-                let pairs: Vec<(usize, DirectionPair)> = halves
-                    .iter()
-                    .enumerate()
-                    .map(|(half, &(theta_h, _))| (half, pair(theta_h, difference)))
-                    .filter(|(_, pair)| {
-                        pair.wi.z.min(pair.wo.z) >= COSINE_MIN && brdf.has_data(pair)
-                    })
-                    .collect();
-                let only: Vec<DirectionPair> = pairs.iter().map(|(_, pair)| *pair).collect();
-                let mut values = Vec::new();
-                brdf.eval_pairs(&only, &mut values);
-                for (&(half, pair), value) in pairs.iter().zip(values) {
-                    let (theta_h, step_h) = halves[half];
-                    let shares = densities(theta_h, difference.theta, &pair);
-                    let shares = shares.map(|density| density * step_h * step_d);
-                    let value = of_channels(value, channels);
-                    column[half] = Node { value, cosine: pair.wi.z, shares };
-                }
-                column
-            })
-            .collect();
-        let halves = halves.into_iter().map(|(theta, _)| theta).collect();
-        let differences = differences.into_iter().map(|(difference, _)| difference).collect();
-        Self::new(halves, differences, true, columns.concat(), channels)
+        let halves = grid.halves().map(|(theta, _)| theta).collect();
+        let differences = grid.differences(symmetry).map(|(difference, _)| difference).collect();
+        let nodes = on_grid(brdf, grid, symmetry, channels);
+        Self::new(halves, differences, true, nodes, channels)
     }
 
-    /// Takes measured rows as they are; every row counts the same.
-    pub(crate) fn of_samples(samples: &SampleSet) -> Self {
+    /// Takes measured rows as they are, every row counting the same, and a prior, which all in all counts as much as
+    /// a share of them.
+    pub(crate) fn of_samples(samples: &SampleSet, prior: Option<(&dyn Brdf, f64)>) -> Self {
         let channels = samples.channels().count();
-        let angles: Vec<HalfDifference> =
-            samples.pairs().map(|pair| HalfDifference::from_pair(&pair)).collect();
-        let nodes = (0..samples.len()).map(|index| {
+        let (mut halves, mut differences, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, pair) in samples.pairs().enumerate() {
+            let angles = HalfDifference::from_pair(&pair);
+            halves.push(angles.theta_h);
+            differences.push(Difference { theta: angles.theta_d, phi: angles.phi_d });
             let value = of_channels(samples.rgb(index), channels);
-            Node { value, cosine: samples.pair(index).wi.z, shares: [1.0; 2] }
-        });
-        let halves = angles.iter().map(|angles| angles.theta_h).collect();
-        let differences =
-            angles.iter().map(|a| Difference { theta: a.theta_d, phi: a.phi_d }).collect();
-        Self::new(halves, differences, false, nodes.collect(), channels)
+            nodes.push(Node { value, cosine: pair.wi.z, shares: [1.0; 2] });
+        }
+        if let Some((prior, share)) = prior {
+            let symmetry = Symmetry::Both;
+            let beside = on_grid(prior, PRIOR, symmetry, channels);
+            let totals = totals(&beside);
+            let places = PRIOR.differences(symmetry).flat_map(|(difference, _)| {
+                PRIOR.halves().map(move |(theta_h, _)| (theta_h, difference))
+            });
+            for ((half, difference), mut node) in places.zip(beside).filter(|(_, n)| n.is_known()) {
+                for (own, total) in node.shares.iter_mut().zip(totals) {
+                    *own *= share * samples.len() as f64 / total;
+                }
+                halves.push(half);
+                differences.push(difference);
+                nodes.push(node);
+            }
+        }
+        Self::new(halves, differences, false, nodes, channels)
     }
 
     fn new(
@@ -165,9 +158,7 @@ impl Nodes {
                 *node = Node::default();
             }
         }
-        let totals = nodes
-            .iter()
-            .fold([0.0; 2], |sum, node| [sum[0] + node.shares[0], sum[1] + node.shares[1]]);
+        let totals = totals(&nodes);
         for node in nodes.iter_mut().filter(|node| node.is_known()) {
             let [uniform, mirror] = [0, 1].map(|set| node.shares[set] / totals[set]);
             node.shares = [uniform, 0.5 * (uniform + mirror)];
@@ -186,6 +177,41 @@ impl Nodes {
             std::array::from_fn(|c| sum[c] + node.shares[0] * node.value[c])
         })
     }
+}
+
+/// Evaluates a material at the nodes of a grid, those of a difference vector together.
+fn on_grid(brdf: &dyn Brdf, grid: NodeGrid, symmetry: Symmetry, channels: usize) -> Vec<Node> {
+    let halves: Vec<(f64, f64)> = grid.halves().collect();
+    let differences: Vec<(Difference, f64)> = grid.differences(symmetry).collect();
+    let columns: Vec<Vec<Node>> = differences
+        .par_iter()
+        .map(|&(difference, step_d)| {
+            let mut column = vec![Node::default(); halves.len()];
+            let pairs: Vec<(usize, DirectionPair)> = halves
+                .iter()
+                .enumerate()
+                .map(|(half, &(theta_h, _))| (half, pair(theta_h, difference)))
+                .filter(|(_, pair)| pair.wi.z.min(pair.wo.z) >= COSINE_MIN && brdf.has_data(pair))
+                .collect();
+            let only: Vec<DirectionPair> = pairs.iter().map(|(_, pair)| *pair).collect();
+            let mut values = Vec::new();
+            brdf.eval_pairs(&only, &mut values);
+            for (&(half, pair), value) in pairs.iter().zip(values) {
+                let (theta_h, step_h) = halves[half];
+                let shares = densities(theta_h, difference.theta, &pair);
+                let shares = shares.map(|density| density * step_h * step_d);
+                let value = of_channels(value, channels);
+                column[half] = Node { value, cosine: pair.wi.z, shares };
+            }
+            column
+        })
+        .collect();
+    columns.concat()
+}
+
+/// What shares add up to.
+fn totals(nodes: &[Node]) -> [f64; 2] {
+    nodes.iter().fold([0.0; 2], |sum, node| [sum[0] + node.shares[0], sum[1] + node.shares[1]])
 }
 
 /// The pair of a node, with φh = 0.

@@ -166,7 +166,7 @@ fn luminance_is_grey_and_scattered_rows_are_fitted_as_they_are() {
     let sampling = PairSampling { count: 3_000, seed: 1, theta_max: 1.4 };
     let samples = SampleSet::draw(&gold, &sampling, Channels::Rgb);
     let settings = SplineSettings { bytes: 2_000, ..SplineSettings::default() };
-    let fit = fit_spline_samples(&samples, &settings, &Job::new()).expect("a fit");
+    let fit = fit_spline_samples(&samples, None, &settings, &Job::new()).expect("a fit");
     assert_eq!((fit.nodes, fit.model.symmetry()), (3_000, Symmetry::Both));
     let unseen = PairSampling { seed: 2, ..sampling };
     let errors: Vec<f64> = unseen
