@@ -1,8 +1,11 @@
 //! Curves over an axis: errors against ranks, spectra.
 
+use std::ops::Range;
+
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use crate::axis::{TICKS, Ticked, evenly, whole};
 use crate::colours::{FAINT, INK, series};
 use crate::error::{PlotError, drawing};
 use crate::plot::{Plot, on_sheet};
@@ -88,6 +91,32 @@ impl Curves {
         }
     }
 
+    /// Places of labels on the x axis: whole numbers where all points stand on a few of them, as counts do.
+    fn ticks_across(&self, range: &Range<f64>) -> Vec<f64> {
+        let is_whole = |x: f64| (x - x.round()).abs() < 1e-9;
+        let all_whole = self.series.iter().flat_map(|s| &s.points).all(|point| is_whole(point.0));
+        let even = evenly(range);
+        if all_whole && even.iter().any(|x| !is_whole(*x)) {
+            return whole(range).collect();
+        }
+        even
+    }
+
+    /// Places of labels on the y axis; on a logarithm powers of ten, with twice and five times them where there is room.
+    fn ticks_along(&self, range: &Range<f64>) -> Vec<f64> {
+        if self.y_scale == Scale::Linear {
+            return evenly(range);
+        }
+        let decades = range.end - range.start;
+        let between: &[f64] = if decades > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let ticks: Vec<f64> = whole(&(range.start - 1.0..range.end))
+            .flat_map(|power| between.iter().map(move |digit| power + digit.log10()))
+            .filter(|tick| range.contains(tick))
+            .collect();
+        // Within one decade there may be none.
+        if ticks.len() < 2 { evenly(range) } else { ticks }
+    }
+
     fn draw(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), PlotError> {
         let placed: Vec<Vec<(f64, f64)>> = self
             .series
@@ -116,7 +145,10 @@ impl Curves {
             .caption(&self.title, ("sans-serif", 15).into_font().color(&INK))
             .x_label_area_size(36)
             .y_label_area_size(58)
-            .build_cartesian_2d(across, along)
+            .build_cartesian_2d(
+                Ticked::new(&across, self.ticks_across(&across)),
+                Ticked::new(&along, self.ticks_along(&along)),
+            )
             .map_err(|e| drawing(&e))?;
         let decade = |y: &f64| match self.y_scale {
             Scale::Linear => short(*y),
@@ -130,6 +162,8 @@ impl Curves {
             .label_style(("sans-serif", 12).into_font().color(&INK))
             .x_desc(&self.x)
             .y_desc(&self.y)
+            .x_labels(TICKS)
+            .y_labels(TICKS)
             .x_label_formatter(&|x| short(*x))
             .y_label_formatter(&decade)
             .draw()
@@ -214,6 +248,29 @@ mod tests {
         for (value, expected) in cases {
             assert_eq!(short(value), expected);
         }
+    }
+
+    #[test]
+    fn counts_have_labels_at_whole_numbers() {
+        let counts = |last: u32| Curves {
+            series: vec![Series::new("a", (1..=last).map(|n| (f64::from(n), 1.0)).collect())],
+            ..Curves::default()
+        };
+        assert_eq!(counts(5).ticks_across(&(0.84..5.16)), [1.0, 2.0, 3.0, 4.0, 5.0]);
+        let many = counts(800).ticks_across(&(-30.0..830.0));
+        assert!(many.len() <= TICKS && many.contains(&100.0), "{many:?}");
+    }
+
+    #[test]
+    fn a_logarithmic_axis_is_labelled_with_1_2_and_5() {
+        let log = Curves { y_scale: Scale::Log, ..Curves::default() };
+        let labels = |range: Range<f64>| {
+            log.ticks_along(&range).iter().map(|y| short(10_f64.powf(*y))).collect::<Vec<_>>()
+        };
+        let two_decades = labels(-2.9..-1.1);
+        assert_eq!(two_decades, ["0.002", "0.005", "0.01", "0.02", "0.05"]);
+        assert_eq!(labels(-4.5..-0.5).len(), 4, "powers of ten alone");
+        assert!(labels(0.05..0.2).len() > 1, "a part of a decade has labels too");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use contour::ContourBuilder;
 use plotters::prelude::*;
 
+use crate::axis::Ticked;
 use crate::colours::{INK, NO_DATA, heat};
 use crate::curves::short;
 use crate::error::{PlotError, drawing};
@@ -177,7 +178,7 @@ impl Heat {
             .margin_bottom(EDGE)
             .x_label_area_size(BOTTOM - EDGE)
             .y_label_area_size(LEFT - EDGE)
-            .build_cartesian_2d(0.0..self.extent[0], 0.0..self.extent[1])
+            .build_cartesian_2d(Ticked::up_to(self.extent[0]), Ticked::up_to(self.extent[1]))
             .map_err(|e| drawing(&e))?;
         area.draw(&Text::new(
             self.title.clone(),

@@ -23,6 +23,7 @@
 //! # Ok::<(), brdf_plot::PlotError>(())
 //! ```
 
+mod axis;
 mod colours;
 mod coverage;
 mod curves;
