@@ -11,7 +11,8 @@
 //!
 //! All errors are taken over the same pairs. [`best`] picks a parametrization by any of these figures, and a
 //! [`StudyReport`] sums them up over many materials. A [`Slice`] is the table behind a picture of a
-//! material, and [`TestFunction`]s are materials for which the answer is known.
+//! material, and [`TestFunction`]s are materials for which the answer is known. On the hemisphere of lights over
+//! one viewer, [`ring_spread`] says how round isolines are, and [`highlight_centre`] where a highlight lies.
 //!
 //! # Example
 //!
@@ -29,11 +30,13 @@
 
 mod functions;
 mod grid;
+mod hemisphere;
 mod measure;
 mod report;
 mod slice;
 
 pub use functions::TestFunction;
+pub use hemisphere::{Centre, Circle, highlight_centre, radial_shares, ring_spread};
 pub use measure::{Bivariate, ParametrizationRow, StudyParams, best, study_material};
 pub use report::{GlossGroup, Medians, StudiedMaterial, StudyInput, StudyReport, Wins};
 pub use slice::{Slice, SliceAlignment, alignment};
