@@ -1,5 +1,6 @@
 //! Colours that stay apart in greyscale.
 
+use brdf_study::TestFunction;
 use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap as _, ViridisRGB};
 
@@ -9,6 +10,13 @@ pub(crate) const INK: RGBColor = RGBColor(39, 39, 42);
 pub(crate) const FAINT: RGBColor = RGBColor(212, 212, 216);
 /// Where there is no data.
 pub(crate) const NO_DATA: [u8; 4] = [228, 228, 231, 255];
+
+/// Isolines of the test functions, as in the paper but for the Fresnel effect, which is white there.
+pub(crate) const TEST_FUNCTIONS: [(TestFunction, [u8; 3]); 3] = [
+    (TestFunction::Specular, [200, 30, 30]),
+    (TestFunction::Fresnel, [20, 20, 20]),
+    (TestFunction::Grazing, [40, 90, 220]),
+];
 
 /// Colours of series in order, from dark to light and back, so that neighbours differ in lightness.
 const SERIES: [RGBColor; 6] = [

@@ -94,6 +94,12 @@ impl HeatScale {
         }
     }
 
+    /// Red, green and blue of a value.
+    pub(crate) fn colour(&self, value: f64) -> [u8; 3] {
+        let [r, g, b, _] = heat(self.share(value));
+        [r, g, b]
+    }
+
     fn value(&self, share: f64) -> f64 {
         let [low, high] = self.range;
         if self.log { low * (high / low).powf(share) } else { low + share * (high - low) }
@@ -215,7 +221,7 @@ impl Heat {
 
 impl Contours {
     /// Pieces of lines, each within cells that have data, in the units of the axes.
-    fn lines(&self, extent: [f64; 2]) -> Result<Vec<Vec<(f64, f64)>>, PlotError> {
+    pub(crate) fn lines(&self, extent: [f64; 2]) -> Result<Vec<Vec<(f64, f64)>>, PlotError> {
         let (columns, rows) = (self.field.columns, self.field.rows());
         let outside = self.levels.iter().copied().fold(f64::MAX, f64::min) - 1.0;
         let values: Vec<f64> = self.field.values.iter().map(|v| v.unwrap_or(outside)).collect();
@@ -277,7 +283,7 @@ fn coloured(field: &Field, scale: &HeatScale, place: [i32; 4]) -> Bitmap {
 
 const BAR_STEPS: usize = 128;
 
-fn draw_bar(
+pub(crate) fn draw_bar(
     sheet: &Sheet<'_>,
     bitmaps: &mut Vec<Bitmap>,
     (left, top): (i32, i32),

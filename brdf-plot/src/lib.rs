@@ -1,6 +1,8 @@
 //! Plots of BRDFs as SVG and PNG, with axes, units and legends, readable in greyscale.
 //!
 //! - [`plot_slices`] and [`plot_parametrizations`] show luminance over two coordinates.
+//! - [`plot_coordinate_hemispheres`], [`plot_test_function_hemispheres`] and [`plot_luminance_hemispheres`] show the
+//!   hemisphere of lights over one viewer.
 //! - [`plot_polar`] and [`plot_lobes`] show lobes, in the plane of incidence and in three dimensions.
 //! - [`plot_coverage`] shows where a measured material has data.
 //! - [`plot_curves`], [`plot_log_log`], [`plot_heat`] and [`plot_textures`] take values of any kind.
@@ -29,6 +31,7 @@ mod coverage;
 mod curves;
 mod error;
 mod heat;
+mod hemispheres;
 mod lobe;
 mod log_log;
 mod parametrizations;
@@ -43,6 +46,9 @@ pub use coverage::plot_coverage;
 pub use curves::{Curves, Scale, Series, plot_curves};
 pub use error::PlotError;
 pub use heat::{Contours, Field, Heat, HeatScale, plot_heat};
+pub use hemispheres::{
+    plot_coordinate_hemispheres, plot_luminance_hemispheres, plot_test_function_hemispheres,
+};
 pub use lobe::plot_lobes;
 pub use log_log::plot_log_log;
 pub use parametrizations::{plot_parametrizations, plot_test_functions};

@@ -3,8 +3,9 @@
 
 use brdf_model::Brdf;
 use brdf_param::Parametrization;
-use brdf_study::{STUDIED, Slice, TestFunction};
+use brdf_study::{STUDIED, Slice};
 
+use crate::colours::TEST_FUNCTIONS;
 use crate::error::PlotError;
 use crate::heat::{Contours, Field, Heat, HeatScale, plot_heat};
 use crate::plot::Plot;
@@ -59,13 +60,8 @@ pub fn plot_parametrizations(name: &str, brdf: &dyn Brdf) -> Result<Plot, PlotEr
 ///
 /// [`PlotError::Drawing`].
 pub fn plot_test_functions() -> Result<Plot, PlotError> {
-    let coloured = [
-        (TestFunction::Specular, [200, 30, 30]),
-        (TestFunction::Fresnel, [20, 20, 20]),
-        (TestFunction::Grazing, [40, 90, 220]),
-    ];
     let mut panels = panels(|parametrization, azimuth| {
-        let lines = coloured.map(|(function, colour)| {
+        let lines = TEST_FUNCTIONS.map(|(function, colour)| {
             let slice = Slice::sample(&function, parametrization, azimuth, SIZE);
             let field = Field { columns: SIZE, values: slice.values };
             Contours { field, levels: steps(TENTHS).collect(), colour }
