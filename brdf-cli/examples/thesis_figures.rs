@@ -6,7 +6,8 @@
 //! ```
 //!
 //! `figure-4-1.png`: a material, and five textures of 24² in standard and in half/difference space. The thesis
-//! shows CURET velvet, which is not at hand; this is the Ashikhmin–Shirley preset.
+//! shows CURET velvet, which is not at hand; this is the Ashikhmin–Shirley preset. `figure-4-1-fabric.png`: the same of
+//! red-fabric, a network fitted to MERL, from `BRDF_DATA` (default `../shared/data`); left out without it.
 //! `figure-4-2.svg`: errors by number of textures, in both spaces, with and without reciprocity, textures of 24².
 //! `figure-4-4.png`: the blue paint, two textures of 32² that were searched, and McCool's two.
 
@@ -16,11 +17,13 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
+use brdf_container::MaterialFile;
 use brdf_fit::{
     FactoredFit, FactoredMethod, FactoredSettings, Material, Reciprocity, SearchSettings, Strategy,
     fit_factored,
 };
 use brdf_image::{Panel, ToneMap, encode_png, strip};
+use brdf_io::ReadOptions;
 use brdf_job::Job;
 use brdf_model::{Brdf, Channels, Preset};
 use brdf_param::Space;
@@ -48,15 +51,32 @@ fn main() -> anyhow::Result<()> {
         }))
     };
 
-    let fabric = preset("ashikhmin-shirley")?;
-    let [standard, half] = SPACES.map(|space| fitted(fabric.as_ref(), &searched(5, &[space])));
-    let (standard, half) = (standard?, half?);
-    let picture = spheres(&[
-        ("Ashikhmin-Shirley", fabric.as_ref()),
-        ("standard", &standard.last().model),
-        ("half/difference", &half.last().model),
-    ])?;
-    fs::write(folder.join("figure-4-1.png"), picture)?;
+    println!(
+        "figure 4.1: CURET velvet cannot be had; in its place the Ashikhmin-Shirley formula and red-fabric"
+    );
+    let formula = preset("ashikhmin-shirley")?;
+    let fabric = red_fabric()?;
+    let mut figures = vec![("figure-4-1.png", "Ashikhmin-Shirley", formula.as_ref())];
+    if let Some(fabric) = &fabric {
+        figures.push(("figure-4-1-fabric.png", "red-fabric (network)", fabric.brdf()));
+    }
+    for (file, name, material) in figures {
+        let [standard, half] = SPACES.map(|space| fitted(material, &searched(5, &[space])));
+        let (standard, half) = (standard?, half?);
+        for (space, fit) in SPACES.iter().zip([&standard, &half]) {
+            if let Some(term) = fit.terms.last() {
+                let error = term.training.log.mean_square;
+                println!("{name}, {}: mean square log error {error:.4}", space.name());
+            }
+        }
+        let picture = spheres(&[
+            (name, material),
+            ("standard", &standard.last().model),
+            ("half/difference", &half.last().model),
+        ])?;
+        fs::write(folder.join(file), picture)?;
+        println!("wrote {}", folder.join(file).display());
+    }
 
     let paint = preset("lafortune-blue-paint")?;
     let size = Some(32);
@@ -71,6 +91,7 @@ fn main() -> anyhow::Result<()> {
         ("McCool, 2 textures", &mccool.last().model),
     ])?;
     fs::write(folder.join("figure-4-4.png"), picture)?;
+    println!("wrote {}", folder.join("figure-4-4.png").display());
 
     let mut panels = Vec::new();
     for name in ["lafortune-blue-paint", "cook-torrance"] {
@@ -91,7 +112,8 @@ fn main() -> anyhow::Result<()> {
                     .map(|term| (term.textures as f64, term.training.log.mean_square))
                     .collect();
                 let label = format!("{}, {kind}", space.name());
-                println!("{name}, {label}: {:?}", points.iter().map(|p| p.1).collect::<Vec<_>>());
+                let errors: Vec<String> = points.iter().map(|p| format!("{:.5}", p.1)).collect();
+                println!("{name}, {label}: {}", errors.join(" "));
                 series.push(Series::new(label, points));
             }
         }
@@ -104,11 +126,25 @@ fn main() -> anyhow::Result<()> {
         });
     }
     fs::write(folder.join("figure-4-2.svg"), plot_curves(&panels, 2)?.svg())?;
+    println!("wrote {}", folder.join("figure-4-2.svg").display());
     Ok(())
 }
 
 fn preset(name: &str) -> anyhow::Result<Box<dyn Brdf>> {
     Ok(Box::new(Preset::find(name).context("a preset of this name")?.brdf()))
+}
+
+/// The material nearest to velvet that is at hand, or `None`, with the reason printed.
+fn red_fabric() -> anyhow::Result<Option<MaterialFile>> {
+    let folder = std::env::var_os("BRDF_DATA")
+        .map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
+    let archive = folder.join("nbrdf").join("merl_dev.npz");
+    if !archive.exists() {
+        println!("red-fabric: skipped, {} is missing; set BRDF_DATA", archive.display());
+        return Ok(None);
+    }
+    let source = format!("{}:red-fabric", archive.display());
+    Ok(Some(MaterialFile::open(&source, &ReadOptions::default())?))
 }
 
 fn fitted(brdf: &dyn Brdf, settings: &FactoredSettings) -> anyhow::Result<FactoredFit> {
