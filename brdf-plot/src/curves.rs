@@ -109,7 +109,10 @@ impl Curves {
         }
         let decades = range.end - range.start;
         let between: &[f64] = if decades > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-        let ticks: Vec<f64> = whole(&(range.start - 1.0..range.end))
+        let powers: Vec<f64> = whole(&(range.start - 1.0..range.end)).collect();
+        let ticks: Vec<f64> = powers
+            .iter()
+            .step_by(powers.len().div_ceil(TICKS).max(1))
             .flat_map(|power| between.iter().map(move |digit| power + digit.log10()))
             .filter(|tick| range.contains(tick))
             .collect();
@@ -270,6 +273,8 @@ mod tests {
         let two_decades = labels(-2.9..-1.1);
         assert_eq!(two_decades, ["0.002", "0.005", "0.01", "0.02", "0.05"]);
         assert_eq!(labels(-4.5..-0.5).len(), 4, "powers of ten alone");
+        let many = labels(-40.2..0.0).len();
+        assert!((4..=TICKS).contains(&many), "{many} labels over 40 decades");
         assert!(labels(0.05..0.2).len() > 1, "a part of a decade has labels too");
     }
 
