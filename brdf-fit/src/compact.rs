@@ -1,5 +1,6 @@
 //! Compact models of isotropic materials: all that there is to store is one short stream or a handful of numbers.
 
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use brdf_job::{Job, Stopped};
@@ -207,6 +208,8 @@ struct Fitted {
     trials: Vec<SplineTrial>,
     zeros: usize,
     not_finite: usize,
+    /// Lobes that complete scattered rows under splines.
+    prior: Option<GgxLobes>,
 }
 
 /// What there is to say of an isotropic model of a material that is not.
@@ -367,12 +370,24 @@ fn fit_rows(
             let seed = settings.seed;
             let spline =
                 SplineSettings { bytes, channels, seed, axis, ..SplineSettings::default() };
+            // Where lobes start: at the first that were found.
+            let start = earlier
+                .and_then(|fit| fit.prior.clone())
+                .map_or_else(OnceLock::new, OnceLock::from);
             let prior = |rows: &SampleSet| -> Result<Box<dyn Brdf>, Stopped> {
                 let few = rows.subset(LOBE_ROWS);
                 let problem = LobeProblem::new(&few, &SampleSet::new(rows.channels()));
-                Ok(Box::new(problem.solve(PRIOR_LOBES, job)?))
+                let found = match start.get() {
+                    Some(start) => problem.solve_near(start, job),
+                    None => {
+                        let first = problem.solve(PRIOR_LOBES, job)?;
+                        start.get_or_init(|| first).clone()
+                    }
+                };
+                Ok(Box::new(found))
             };
-            Ok(splines(fit_spline_samples(rows, Some(&prior), &spline, job)?))
+            let fit = fit_spline_samples(rows, Some(&prior), &spline, job)?;
+            Ok(Fitted { prior: start.into_inner(), ..splines(fit) })
         }
         CompactMethod::Ggx { lobes } => {
             let few = rows.subset(LOBE_ROWS);
@@ -394,12 +409,13 @@ fn splines(fit: brdf_spline::SplineFit) -> Fitted {
         trials: fit.trials,
         zeros: fit.zeros,
         not_finite: fit.not_finite,
+        prior: None,
     }
 }
 
 fn lobes_of(model: GgxLobes, samples: usize) -> Fitted {
     let model = CompactBrdf::Ggx(model);
-    Fitted { model, samples, trials: Vec::new(), zeros: 0, not_finite: 0 }
+    Fitted { model, samples, trials: Vec::new(), zeros: 0, not_finite: 0, prior: None }
 }
 
 /// Errors of rows under models that were fitted without their fold. Axes of splines, and where lobes start, are those of

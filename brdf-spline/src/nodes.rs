@@ -18,7 +18,7 @@ const JUDGED: f64 = 80.0 * PI / 180.0;
 const BEYOND: f64 = 0.02;
 
 /// Nodes of a prior.
-const PRIOR: NodeGrid = NodeGrid { theta_h: 36, theta_d: 12, phi_d: 8 };
+const PRIOR: NodeGrid = NodeGrid { theta_h: 28, theta_d: 9, phi_d: 8 };
 
 /// Numbers of nodes along each angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -132,7 +132,21 @@ impl DifferencePlaces {
         let count = self.count;
         let mut gram = Banded::zeros(self.basis.count * count, 4 * count);
         let mut angular = vec![0.0; count * count];
+        let mut whole = Vec::with_capacity(4 * count);
         for Ring { taps, places } in &self.rings {
+            if places.len() == 1 {
+                // Splines that follow each other: one row of coefficients.
+                let harmonics = self.at(places.start);
+                whole.clear();
+                whole
+                    .extend(taps.weights.iter().flat_map(|w| harmonics.iter().map(move |h| w * h)));
+                let (weight, first) = (weight(places.start), taps.at[0] * count);
+                for (at, value) in whole.iter().enumerate() {
+                    let row = gram.row_mut(first + at, first, at + 1);
+                    add(weight * value, &whole, row);
+                }
+                continue;
+            }
             angular.fill(0.0);
             for place in places.clone() {
                 let (weight, harmonics) = (weight(place), self.at(place));
