@@ -20,7 +20,7 @@ const ROUNDS: usize = 5;
 const STEPS: usize = 12;
 /// A step that lowers the sum by less than this part of it ends a round.
 const CONVERGED: f64 = 1e-4;
-/// Step of a logarithm for derivatives.
+/// Step of the logarithm of α for derivatives.
 const DIFFERENCE: f64 = 1e-4;
 /// Logarithms stay within ±LIMIT.
 const LIMIT: f64 = 18.0;
@@ -35,6 +35,8 @@ pub(crate) struct LobeProblem {
     pub(crate) values: Vec<[f64; 3]>,
     /// The values as each measure sees them.
     measured: Vec<[[f64; MEASURES]; 3]>,
+    /// (1 − cosθd)⁵ of each pair.
+    fifths: Vec<f64>,
     pub(crate) shares: Vec<[f64; 2]>,
     pub(crate) offsets: [f64; 3],
 }
@@ -42,6 +44,8 @@ pub(crate) struct LobeProblem {
 /// A state of the fit, with what measures say of it.
 struct State {
     logs: Vec<f64>,
+    /// For each lobe, what each pair has of a lobe that reflects everything.
+    facets: Vec<Vec<f64>>,
     values: Vec<[f64; 3]>,
 }
 
@@ -55,6 +59,7 @@ impl LobeProblem {
             pairs: Vec::new(),
             values: Vec::new(),
             measured: Vec::new(),
+            fifths: Vec::new(),
             shares: Vec::new(),
             offsets: [1e-5; 3],
         };
@@ -63,6 +68,8 @@ impl LobeProblem {
             made.values.extend((0..samples.len()).map(|index| samples.rgb(index).channels()));
             made.shares.extend(vec![shares; samples.len()]);
         }
+        let sheen = GgxLobes { diffuse: Rgb::BLACK, lobes: Vec::new(), sheen: Rgb::splat(1.0) };
+        made.fifths = made.pairs.iter().map(|pair| sheen.eval(pair).r).collect();
         made.offsets = std::array::from_fn(|c| {
             let mean: f64 =
                 made.values.iter().zip(&made.shares).map(|(v, share)| v[c] * share[0]).sum();
@@ -136,9 +143,51 @@ impl LobeProblem {
         logs
     }
 
-    fn evaluate(&self, logs: &[f64]) -> Vec<[f64; 3]> {
-        let model = model_of(logs);
-        self.pairs.iter().map(|pair| model.eval(pair).channels()).collect()
+    /// What each pair has of a lobe of a roughness that reflects everything: D G₂ / (4 cosθi cosθo).
+    fn facets(&self, alpha: f64) -> Vec<f64> {
+        let white = GgxLobe { f0: Rgb::splat(1.0), f90: 1.0, alpha };
+        let lobe = GgxLobes { diffuse: Rgb::BLACK, lobes: vec![white], sheen: Rgb::BLACK };
+        self.pairs.iter().map(|pair| lobe.eval(pair).r).collect()
+    }
+
+    fn state(&self, logs: Vec<f64>) -> State {
+        let model = model_of(&logs);
+        let facets: Vec<Vec<f64>> =
+            model.lobes.iter().map(|lobe| self.facets(lobe.alpha)).collect();
+        let of = |index: usize| {
+            let fifth = self.fifths[index];
+            let lobes = model.lobes.iter().zip(&facets).map(|(lobe, facets)| {
+                (lobe.f0 * (1.0 - fifth) + Rgb::splat(lobe.f90 * fifth)) * facets[index]
+            });
+            let base = model.diffuse / std::f64::consts::PI + model.sheen * fifth;
+            (base + lobes.sum::<Rgb>()).channels()
+        };
+        let values = (0..self.pairs.len()).map(of).collect();
+        State { logs, facets, values }
+    }
+
+    /// What values change with each logarithm, at one pair and channel. `rougher` are the facets of each lobe at a
+    /// logarithm of α that is [`DIFFERENCE`] larger.
+    fn slopes(
+        &self,
+        model: &GgxLobes,
+        state: &State,
+        rougher: &[Vec<f64>],
+        [index, c]: [usize; 2],
+        slopes: &mut [f64],
+    ) {
+        slopes.fill(0.0);
+        let fifth = self.fifths[index];
+        slopes[c] = model.diffuse.channels()[c] / std::f64::consts::PI;
+        slopes[3 + c] = model.sheen.channels()[c] * fifth;
+        let lobes = model.lobes.iter().zip(slopes[BASE..].chunks_exact_mut(LOBE));
+        for (number, (lobe, slopes)) in lobes.enumerate() {
+            let facets = state.facets[number][index];
+            let [straight, grazing] = [lobe.f0.channels()[c] * (1.0 - fifth), lobe.f90 * fifth];
+            slopes[c] = straight * facets;
+            slopes[3] = grazing * facets;
+            slopes[4] = (straight + grazing) * (rougher[number][index] - facets) / DIFFERENCE;
+        }
     }
 
     /// Mean squares of the measures over both sets.
@@ -173,8 +222,7 @@ impl LobeProblem {
 
     /// Returns the sum of logarithms of the mean squares that a start leads to, and the parameters.
     fn solve_from(&self, logs: Vec<f64>, job: &Job<'_>) -> (f64, Vec<f64>) {
-        let values = self.evaluate(&logs);
-        let mut state = State { logs, values };
+        let mut state = self.state(logs);
         for _ in 0..ROUNDS {
             if job.is_stopped() {
                 break;
@@ -222,13 +270,9 @@ impl LobeProblem {
         factors: [[f64; MEASURES]; 2],
     ) -> (Vec<f64>, Vec<f64>) {
         let size = state.logs.len();
-        let changed: Vec<Vec<[f64; 3]>> = (0..size)
-            .map(|i| {
-                let mut logs = state.logs.clone();
-                logs[i] += DIFFERENCE;
-                self.evaluate(&logs)
-            })
-            .collect();
+        let model = model_of(&state.logs);
+        let alphas = state.logs[BASE..].chunks_exact(LOBE).map(|lobe| lobe[4] + DIFFERENCE);
+        let rougher: Vec<Vec<f64>> = alphas.map(|log| self.facets(alpha_of(log))).collect();
         let (mut normal, mut gradient) = (vec![0.0; size * size], vec![0.0; size]);
         let mut slopes_of = vec![0.0; size];
         self.for_each(&state.values, |index, c, residuals, slopes, shares| {
@@ -238,9 +282,7 @@ impl LobeProblem {
                 square += weight * slopes[m] * slopes[m];
                 cross += weight * slopes[m] * residuals[m];
             }
-            for (slope, changed) in slopes_of.iter_mut().zip(&changed) {
-                *slope = (changed[index][c] - state.values[index][c]) / DIFFERENCE;
-            }
+            self.slopes(&model, state, &rougher, [index, c], &mut slopes_of);
             for (j, b) in slopes_of.iter().enumerate() {
                 gradient[j] += cross * b;
                 let column = &mut normal[j * size + j..(j + 1) * size];
@@ -267,8 +309,7 @@ impl LobeProblem {
             .zip(&change)
             .map(|(log, change)| (log + change.clamp(-2.0, 2.0)).clamp(-LIMIT, LIMIT))
             .collect();
-        let values = self.evaluate(&logs);
-        Some(State { logs, values })
+        Some(self.state(logs))
     }
 }
 
@@ -297,15 +338,56 @@ fn model_of(logs: &[f64]) -> GgxLobes {
     let lobes = logs[BASE..].chunks_exact(LOBE).map(|lobe| GgxLobe {
         f0: rgb(lobe),
         f90: lobe[3].exp(),
-        alpha: lobe[4].exp().min(1.5),
+        alpha: alpha_of(lobe[4]),
     });
     GgxLobes { diffuse: rgb(logs), sheen: rgb(&logs[3..]), lobes: lobes.collect() }
+}
+
+fn alpha_of(log: f64) -> f64 {
+    log.exp().min(1.5)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use brdf_model::{Channels, PairSampling};
+
+    /// Values are those of the model, and slopes what they change by.
+    #[test]
+    fn slopes_are_differences_of_the_model() {
+        let model = GgxLobes {
+            diffuse: Rgb::new(0.3, 0.2, 0.1),
+            lobes: vec![
+                GgxLobe { f0: Rgb::new(0.02, 0.03, 0.04), f90: 0.4, alpha: 0.35 },
+                GgxLobe { f0: Rgb::splat(0.04), f90: 0.8, alpha: 0.06 },
+            ],
+            sheen: Rgb::splat(0.02),
+        };
+        let sampling = PairSampling { count: 60, seed: 1, theta_max: 1.4 };
+        let samples = SampleSet::draw(&model, &sampling, Channels::Rgb);
+        let problem = LobeProblem::new(&samples, &SampleSet::new(Channels::Rgb));
+        let state = problem.state(logs_of(&model));
+        let rougher: Vec<Vec<f64>> = model
+            .lobes
+            .iter()
+            .map(|lobe| problem.facets(alpha_of(lobe.alpha.ln() + DIFFERENCE)))
+            .collect();
+        let mut slopes = vec![0.0; state.logs.len()];
+        for (index, pair) in problem.pairs.iter().enumerate() {
+            let exact = model.eval(pair).channels();
+            for (c, exact) in exact.into_iter().enumerate() {
+                assert!((state.values[index][c] / exact - 1.0).abs() < 1e-9);
+                problem.slopes(&model, &state, &rougher, [index, c], &mut slopes);
+                for (i, slope) in slopes.iter().enumerate() {
+                    let mut logs = state.logs.clone();
+                    logs[i] += 1e-5;
+                    let change = (model_of(&logs).eval(pair).channels()[c] - exact) / 1e-5;
+                    let off = (slope - change).abs();
+                    assert!(off < 1e-3 * (change.abs() + 0.01), "{slope} for {change} of {i}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn lobes_that_were_planted_are_found_again() {

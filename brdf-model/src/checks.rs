@@ -6,7 +6,7 @@ use brdf_param::{DirectionPair, polar_angle, spherical_direction};
 use serde::Serialize;
 
 use crate::sampling::cosine_hemisphere;
-use crate::{Brdf, PairSampling, Rgb, SampleSet, ScrambledSobol};
+use crate::{Brdf, DirectionBatch, PairSampling, Rgb, RgbBatch, SampleSet, ScrambledSobol};
 
 /// The results of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -90,18 +90,19 @@ pub fn directional_albedo(brdf: &dyn Brdf, theta: f64) -> Rgb {
     let wi = spherical_direction(theta, 0.0);
     let mirror = spherical_direction(theta, PI);
     let sobol = ScrambledSobol::new(1);
-    let estimate = |wo: glam::DVec3| {
-        let pair = DirectionPair::new(wi, wo);
-        if wo.z <= 0.0 || !brdf.has_data(&pair) {
-            return Rgb::BLACK;
-        }
-        let pdf = 0.5 * wo.z / PI + 0.5 * lobe_pdf(mirror, wo);
-        brdf.eval(&pair) * (wo.z / pdf)
-    };
-    let mut sum = Rgb::BLACK;
+    let mut pairs = Vec::with_capacity(2 * POINTS as usize);
     for index in 0..POINTS {
         let [a, b, c, d] = sobol.point(index);
-        sum = sum + estimate(cosine_hemisphere(a, b).0) + estimate(lobe_direction(mirror, c, d));
+        let drawn = [cosine_hemisphere(a, b).0, lobe_direction(mirror, c, d)];
+        pairs.extend(drawn.map(|wo| DirectionPair::new(wi, wo)));
+    }
+    pairs.retain(|pair| pair.wo.z > 0.0 && brdf.has_data(pair));
+    let (batch, mut values) = (pairs.iter().collect::<DirectionBatch>(), RgbBatch::default());
+    brdf.eval_batch(batch.as_slices(), &mut values);
+    let mut sum = Rgb::BLACK;
+    for (index, pair) in pairs.iter().enumerate() {
+        let pdf = 0.5 * pair.wo.z / PI + 0.5 * lobe_pdf(mirror, pair.wo);
+        sum = sum + values.get(index) * (pair.wo.z / pdf);
     }
     sum / f64::from(2 * POINTS)
 }
