@@ -22,7 +22,7 @@ class Model:
         with safe_open(path, "np") as file:
             self.record = json.loads(file.metadata()["brdf"])
             tensors = {name: file.get_tensor(name) for name in file.keys()}
-        self.tensors = {name: tensor.astype(float) for name, tensor in tensors.items()}
+        self.tensors = {name: in_doubles(name, tensors) for name in tensors}
         if self.record["kind"] == "spline":
             self.splines = Splines(tensors["stream"].tobytes())
 
@@ -41,6 +41,15 @@ class Model:
             raise ValueError(f"a file of kind {kind!r}, which is no model of `brdf factor`")
         lit = (wi[:, 2:] > 0) & (wo[:, 2:] > 0)
         return np.where(lit, np.maximum(value, 0), 0)
+
+
+def in_doubles(name, tensors):
+    """A tensor in double precision. Eight bits are even steps from the low to the high end of a channel's range."""
+    tensor, ends = tensors[name], tensors.get(f"{name}.range")
+    if tensor.dtype != np.uint8 or ends is None:
+        return tensor.astype(float)
+    low, high = ends.astype(float).T
+    return (low + (high - low) * (tensor / 255)).astype(np.float32).astype(float)
 
 
 # Directions

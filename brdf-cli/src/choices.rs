@@ -1,6 +1,6 @@
 //! The choices of `brdf factor` and the library's enums behind them, so that libraries know no clap.
 
-use brdf_factor::{IsotropicPairs, LogTransform, Weight};
+use brdf_factor::{IsotropicPairs, LogTransform, TexelFormat, Weight};
 use brdf_fit::{FixedFactors, Reciprocity, SeparableMap};
 use brdf_param::{Bound, Parametrization, Space};
 use brdf_search::Objective;
@@ -179,6 +179,17 @@ choices! {
         F2 => F2,
         /// By what displays, cube roots, energy and logarithms see, together
         Fidelity => Fidelity,
+    }
+}
+
+choices! {
+    pub(crate) enum TexelsArg for TexelFormat {
+        /// As they are fitted
+        F32 => F32,
+        /// Half the bytes
+        F16 => F16,
+        /// A quarter of the bytes: even steps from the smallest to the largest value of each texture and channel
+        U8 => U8,
     }
 }
 

@@ -1,6 +1,8 @@
 //! Products of textures.
 
-use brdf_factor::{ChannelTransform, Factor, FactorDescription, FactoredBrdf, Grid};
+use brdf_factor::{
+    ChannelTransform, Factor, FactorDescription, FactoredBrdf, Grid, StoredTexels, TexelFormat,
+};
 use brdf_fit::{FactoredModel, FactoredRecord};
 use brdf_io::f32_values;
 use safetensors::SafeTensors;
@@ -8,7 +10,7 @@ use safetensors::tensor::Dtype;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ContainerError;
-use crate::head::{Head, library, read_record, serialize, tensor, tensors_of};
+use crate::head::{Head, library, read_record, serialize, tensor, tensors_of, view};
 use crate::kind::Kind;
 
 #[derive(Serialize, Deserialize)]
@@ -54,18 +56,26 @@ pub fn factored_record(file: &FactoredModel) -> Result<String, ContainerError> {
 pub fn write_factored(file: &FactoredModel) -> Result<Vec<u8>, ContainerError> {
     let channels = file.model.maps().len();
     let smaller = file.smaller.iter().map(|model| (Some(model.factors().len()), model));
-    let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = std::iter::once((None, &file.model))
-        .chain(smaller)
-        .flat_map(|(part, model)| model.factors().iter().enumerate().map(move |f| (part, f)))
-        .map(|(part, (index, factor))| {
-            let shape = tensor_shape(factor.description(), channels);
-            let bytes = factor.texels().iter().flat_map(|texel| &texel[..channels]);
-            (tensor_name(part, index), shape, bytes.flat_map(|v| v.to_le_bytes()).collect())
-        })
-        .collect();
+    let mut tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)> = Vec::new();
+    for (part, model) in std::iter::once((None, &file.model)).chain(smaller) {
+        for (index, factor) in model.factors().iter().enumerate() {
+            let name = tensor_name(part, index);
+            let StoredTexels { format, bytes, ranges } = factor.stored(channels);
+            if !ranges.is_empty() {
+                let ends = ranges.iter().flatten().flat_map(|end| end.to_le_bytes());
+                tensors.push((range_name(&name), Dtype::F32, vec![channels, 2], ends.collect()));
+            }
+            tensors.push((
+                name,
+                dtype(format),
+                tensor_shape(factor.description(), channels),
+                bytes,
+            ));
+        }
+    }
     let tensors = tensors
         .iter()
-        .map(|(name, shape, bytes)| (name.as_str(), Dtype::F32, shape.clone(), bytes.as_slice()));
+        .map(|(name, kind, shape, bytes)| (name.as_str(), *kind, shape.clone(), bytes.as_slice()));
     serialize(tensors, factored_record(file)?)
 }
 
@@ -111,8 +121,24 @@ pub(crate) fn read_factors(
     let described = descriptions.into_iter().enumerate().map(|(index, description)| {
         description.check()?;
         let shape = tensor_shape(&description, channels);
-        let data = tensor(tensors, &name(index), Dtype::F32, &shape)?;
-        Ok(Factor::new(description, Some(texels(data, channels)))?)
+        let name = name(index);
+        let found = view(tensors, &name)?;
+        let known = TexelFormat::ALL.into_iter().find(|format| dtype(*format) == found.dtype());
+        let Some(format) = known.filter(|_| found.shape() == shape) else {
+            return Err(ContainerError::Missing {
+                what: format!("tensor {name} in F32, F16 or U8 of shape {shape:?}"),
+                expected: format!("that instead of {:?} {:?}", found.dtype(), found.shape()),
+            });
+        };
+        let ranges = match format {
+            TexelFormat::U8 => {
+                let ends = tensor(tensors, &range_name(&name), Dtype::F32, &[channels, 2])?;
+                f32_values(ends).as_chunks::<2>().0.to_vec()
+            }
+            TexelFormat::F32 | TexelFormat::F16 => Vec::new(),
+        };
+        let stored = StoredTexels { format, bytes: found.data().to_vec(), ranges };
+        Ok(Factor::from_stored(description, &stored, channels)?)
     });
     described.collect()
 }
@@ -126,6 +152,19 @@ fn tensor_name(textures: Option<usize>, index: usize) -> String {
     match textures {
         None => format!("factor{index}"),
         Some(count) => format!("of{count}.factor{index}"),
+    }
+}
+
+/// The name of the tensor of the ends of a texture's values in eight bits.
+fn range_name(texture: &str) -> String {
+    format!("{texture}.range")
+}
+
+fn dtype(format: TexelFormat) -> Dtype {
+    match format {
+        TexelFormat::F32 => Dtype::F32,
+        TexelFormat::F16 => Dtype::F16,
+        TexelFormat::U8 => Dtype::U8,
     }
 }
 

@@ -91,6 +91,14 @@ pub(crate) fn tensors_of(bytes: &[u8]) -> Result<SafeTensors<'_>, ContainerError
     SafeTensors::deserialize(bytes).map_err(|e| library("safetensors", &e))
 }
 
+/// A tensor of any type and shape.
+pub(crate) fn view<'a>(
+    tensors: &SafeTensors<'a>,
+    name: &str,
+) -> Result<TensorView<'a>, ContainerError> {
+    tensors.tensor(name).map_err(|e| library("safetensors", &e))
+}
+
 /// The bytes of a tensor of the expected type and shape.
 pub(crate) fn tensor<'a>(
     tensors: &SafeTensors<'a>,
@@ -98,7 +106,7 @@ pub(crate) fn tensor<'a>(
     kind: Dtype,
     shape: &[usize],
 ) -> Result<&'a [u8], ContainerError> {
-    let view = tensors.tensor(name).map_err(|e| library("safetensors", &e))?;
+    let view = view(tensors, name)?;
     if view.dtype() == kind && view.shape() == shape {
         return Ok(view.data());
     }

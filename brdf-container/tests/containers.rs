@@ -10,7 +10,7 @@ use brdf_container::{
     Contained, looks_like_container, read_container, read_factored, read_projections,
     write_factored, write_samples, write_separable, write_table,
 };
-use brdf_factor::{FactorParams, FactorSpec, factorize};
+use brdf_factor::{FactorParams, FactorSpec, TexelFormat, factorize};
 use brdf_fit::{
     FactoredModel, FactoredRecord, FitSettingsRecord, Method, RankRecord, SeparableModel,
     SeparableRecord, SeparableSettingsRecord, TermRecord,
@@ -35,6 +35,17 @@ fn samples() -> SampleSet {
     SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Rgb)
 }
 
+/// The model with texels in a format.
+fn stored_as(format: TexelFormat) -> FactoredModel {
+    let mut file = model_file();
+    file.model = file.model.stored_as(format).unwrap();
+    for smaller in &mut file.smaller {
+        *smaller = smaller.stored_as(format).unwrap();
+    }
+    file.record.settings.texels = format;
+    file
+}
+
 fn model_file() -> FactoredModel {
     let samples = samples();
     let params = FactorParams { texture_size: 4, ..FactorParams::default() };
@@ -54,6 +65,7 @@ fn model_file() -> FactoredModel {
                 highlight: 0.0,
                 seed: 1,
                 replicate: 1,
+                texels: TexelFormat::F32,
                 search: None,
             },
             terms: vec![TermRecord {
@@ -62,6 +74,7 @@ fn model_file() -> FactoredModel {
                 projections: Vec::new(),
                 training,
                 held_out: None,
+                stored: None,
             }],
             samples_used: fit.samples_used,
             dropped: fit.dropped,
@@ -115,6 +128,8 @@ fn separable_files() -> Vec<SeparableModel> {
 fn valid_files() -> Vec<Vec<u8>> {
     vec![
         write_factored(&model_file()).unwrap(),
+        write_factored(&stored_as(TexelFormat::F16)).unwrap(),
+        write_factored(&stored_as(TexelFormat::U8)).unwrap(),
         write_samples(&samples()).unwrap(),
         write_separable(&separable_files()[1]).unwrap(),
     ]
@@ -154,13 +169,15 @@ fn every_flipped_byte_is_read_or_refused() {
 
 #[test]
 fn models_tables_and_samples_survive_storage_bit_by_bit() {
-    let file = model_file();
-    let bytes = write_factored(&file).unwrap();
-    assert_eq!(read_factored(&bytes).unwrap(), file);
-    let read = read_container(&bytes, LOOKUP).unwrap();
-    let Contained::Factored(again) = read else { panic!("a model") };
-    assert_eq!(*again, file);
-    assert_eq!(write_factored(&again).unwrap(), bytes);
+    for format in TexelFormat::ALL {
+        let file = stored_as(format);
+        let bytes = write_factored(&file).unwrap();
+        assert_eq!(read_factored(&bytes).unwrap(), file);
+        let read = read_container(&bytes, LOOKUP).unwrap();
+        let Contained::Factored(again) = read else { panic!("a model") };
+        assert_eq!(*again, file);
+        assert_eq!(write_factored(&again).unwrap(), bytes);
+    }
 
     for file in separable_files() {
         let bytes = write_separable(&file).unwrap();
@@ -179,6 +196,51 @@ fn models_tables_and_samples_survive_storage_bit_by_bit() {
     let read = read_container(&write_table(&table).unwrap(), LOOKUP).unwrap();
     let Contained::Table(again) = read else { panic!("a table") };
     assert_eq!(again, table);
+}
+
+/// What the program says of a model is what lies behind the head of its file.
+#[test]
+fn the_bytes_of_a_model_are_those_of_its_tensors() {
+    for format in TexelFormat::ALL {
+        let file = stored_as(format);
+        let bytes = write_factored(&file).unwrap();
+        let head = u64::from_le_bytes(bytes[..8].try_into().unwrap());
+        let smaller: usize = file.smaller.iter().map(|model| model.payload_bytes()).sum();
+        let tensors = bytes.len() - 8 - usize::try_from(head).unwrap();
+        assert_eq!(tensors, file.model.payload_bytes() + smaller, "{format:?}");
+    }
+}
+
+#[test]
+fn texels_of_other_types_and_ranges_that_are_none_are_refused_in_one_line() {
+    let replaced = |bytes: &[u8], from: &str, to: &str| {
+        assert_eq!(from.len(), to.len(), "offsets stay");
+        let head = String::from_utf8_lossy(&bytes[8..]).find(from).unwrap() + 8;
+        let mut changed = bytes.to_vec();
+        changed[head..head + to.len()].copy_from_slice(to.as_bytes());
+        read_factored(&changed).unwrap_err().to_string()
+    };
+    let half = write_factored(&stored_as(TexelFormat::F16)).unwrap();
+    // As many bytes a value as f16, so that the file itself is sound.
+    let said = replaced(&half, r#""F16""#, r#""I16""#);
+    assert!(said.contains("in F32, F16 or U8") && said.contains("I16"), "{said}");
+    let eight = write_factored(&stored_as(TexelFormat::U8)).unwrap();
+    let said = replaced(&eight, "factor0.range", "factor0.wrong");
+    assert!(said.contains("factor0.range"), "{said}");
+    for said in [said, replaced(&eight, r#""U8""#, r#""I8""#)] {
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+
+    let mut upside_down = stored_as(TexelFormat::U8);
+    upside_down.smaller.clear();
+    let mut bytes = write_factored(&upside_down).unwrap();
+    let stored = upside_down.model.factors()[0].stored(3);
+    let [low, high] = stored.ranges[0].map(f32::to_le_bytes);
+    let range = [low, high].concat();
+    let at = bytes.windows(8).position(|window| window == range).unwrap();
+    bytes[at..at + 8].copy_from_slice(&[high, low].concat());
+    let said = read_factored(&bytes).unwrap_err().to_string();
+    assert!(said.contains("a smallest and a largest value"), "{said}");
 }
 
 proptest! {

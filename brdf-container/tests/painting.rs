@@ -65,6 +65,7 @@ fn basis_file(inversion: Inversion) -> Basis {
         highlight: 0.0,
         seed: 1,
         replicate: 1,
+        texels: brdf_factor::TexelFormat::F32,
         search: None,
     };
     Basis {

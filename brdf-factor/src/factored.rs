@@ -9,6 +9,8 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::coordinate::PairPlace;
+use crate::gauge::balanced;
+use crate::texels::{Coding, StoredTexels, TexelFormat};
 use crate::{Axis, ChannelTransform, Coordinate, FactorError, Grid};
 
 /// The description of a factor: everything but its texels.
@@ -102,6 +104,8 @@ pub struct Factor {
     description: FactorDescription,
     /// Log values, row by row; channels beyond the model's own are 0.
     texels: Vec<[f32; 4]>,
+    /// How they are stored, without loss.
+    coding: Coding,
 }
 
 impl Factor {
@@ -116,7 +120,7 @@ impl Factor {
     ) -> Result<Self, FactorError> {
         description.check()?;
         let count = description.grid.texels();
-        let mut factor = Self { description, texels: Vec::new() };
+        let mut factor = Self { description, texels: Vec::new(), coding: Coding::F32 };
         factor.set_texels(texels.unwrap_or_else(|| vec![[0.0; 4]; count]))?;
         Ok(factor)
     }
@@ -148,7 +152,55 @@ impl Factor {
         &self.texels
     }
 
-    /// Replaces the texels by these log values, row by row.
+    /// Returns the factor of texels as a file holds them, `channels` for each place in the grid.
+    ///
+    /// # Errors
+    ///
+    /// As [`Factor::new`]; [`FactorError::Factors`] for ranges that are missing, too many, not finite or turned round.
+    pub fn from_stored(
+        description: FactorDescription,
+        stored: &StoredTexels,
+        channels: usize,
+    ) -> Result<Self, FactorError> {
+        let (texels, coding) = stored.read(channels).ok_or_else(|| FactorError::Factors {
+            found: format!(
+                "texels in {} of {channels} channels with ranges {:?}",
+                stored.format.name(),
+                stored.ranges
+            ),
+            expected: "of u8 a smallest and a largest value for each channel, of others none",
+        })?;
+        Ok(Self { coding, ..Self::new(description, Some(texels))? })
+    }
+
+    /// Returns the first `channels` of the texels as a file holds them: [`Factor::from_stored`] gives the same again.
+    pub fn stored(&self, channels: usize) -> StoredTexels {
+        StoredTexels::of(&self.texels, &self.coding, channels)
+    }
+
+    /// Returns how the texels are stored.
+    pub fn format(&self) -> TexelFormat {
+        self.coding.format()
+    }
+
+    /// Returns the factor with these texels, rounded to a format.
+    fn with_rounded(&self, texels: &[[f64; 4]], format: TexelFormat) -> Result<Self, FactorError> {
+        let coding = Coding::of(format, texels);
+        let rounded = texels
+            .iter()
+            .map(|texel| std::array::from_fn(|channel| coding.nearest(channel, texel[channel])));
+        let rounded: Vec<[f32; 4]> = rounded.collect();
+        if let Some(value) = rounded.iter().flatten().find(|value| !value.is_finite()) {
+            return Err(FactorError::Factors {
+                found: format!("a texel that is {value} in {}", format.name()),
+                expected: "log values that the format reaches",
+            });
+        }
+        let factor = Self::new(self.description.clone(), Some(rounded))?;
+        Ok(Self { coding, ..factor })
+    }
+
+    /// Replaces the texels by these log values, row by row, which are stored as f32.
     ///
     /// # Errors
     ///
@@ -171,6 +223,7 @@ impl Factor {
             });
         }
         self.texels = texels;
+        self.coding = Coding::F32;
         Ok(())
     }
 
@@ -326,9 +379,30 @@ impl FactoredBrdf {
         if self.maps.len() == 1 { Channels::Luminance } else { Channels::Rgb }
     }
 
-    /// Returns the number of bytes of the textures as stored: four for each channel of each texel.
+    /// Returns the model with texels that can be stored in a format without loss: what is evaluated is what a file holds.
+    ///
+    /// Before they are rounded to the nearest values, factors exchange constants, and textures with the same texels along
+    /// the same angle functions of that angle. That changes no value, but brings the texels of each texture nearer
+    /// to each other. Texels as f32 stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`FactorError::Factors`] for log values that the format does not reach: of f16 those beyond 65504.
+    pub fn stored_as(&self, format: TexelFormat) -> Result<Self, FactorError> {
+        if format.is_f32() {
+            return Ok(self.clone());
+        }
+        let balanced = balanced(&self.factors);
+        let rounded = self.factors.iter().zip(&balanced);
+        let factors: Result<_, _> =
+            rounded.map(|(factor, texels)| factor.with_rounded(texels, format)).collect();
+        Ok(Self { factors: factors?, ..self.clone() })
+    }
+
+    /// Returns the number of bytes of the textures as stored, ranges of channels included.
     pub fn payload_bytes(&self) -> usize {
-        self.factors.iter().map(|f| f.grid().texels() * self.maps.len() * 4).sum()
+        let channels = self.maps.len();
+        self.factors.iter().map(|f| f.format().bytes(f.grid().texels(), channels)).sum()
     }
 
     /// Returns the log value of each channel, before the inverse log map; unused channels are 0.

@@ -39,6 +39,15 @@ impl IsotropicPairs {
         }
     }
 
+    /// Returns the number of textures.
+    pub fn textures(self) -> usize {
+        match self {
+            Self::Polar => POLAR.len(),
+            Self::Cartesian => CARTESIAN.len(),
+            Self::Oriented => ORIENTED.len(),
+        }
+    }
+
     /// Returns the factors, with at most `texels` texels in all and this spacing along θh. If `reciprocal`, exchanging
     /// light and viewer changes nothing.
     ///

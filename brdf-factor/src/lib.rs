@@ -9,6 +9,7 @@
 //!   [`IsotropicPairs`] has pairs of angles for isotropic materials.
 //! - [`factorize`] fits the textures to a set of samples; [`FactorParams`] are its options.
 //! - The result is a [`Fit`], which holds a [`FactoredBrdf`]. That is a [`Brdf`](brdf_model::Brdf) again.
+//! - [`FactoredBrdf::stored_as`] rounds the texels to f16 or eight bits, a half or a quarter of the bytes.
 //! - [`cross_validate`] estimates errors on samples that were not fitted.
 //! - [`Preinverted`] fits many sets of values at the same directions, one after another, quickly.
 //! - [`Problem`], [`Columns`], [`LinearSystem`] and [`NormalEquations`] are the parts that a fit is made
@@ -40,6 +41,7 @@ mod error;
 mod evaluation;
 mod factored;
 mod factorization;
+mod gauge;
 mod grid;
 mod isotropic;
 mod isotropic_pairs;
@@ -54,6 +56,7 @@ mod problem;
 mod qmr;
 mod solver;
 mod surface;
+mod texels;
 mod validation;
 
 pub use columns::Columns;
@@ -74,6 +77,7 @@ pub use preinverted::{
 pub use problem::Problem;
 pub use solver::Solution;
 pub use surface::{SurfaceProduct, SurfaceTexture};
+pub use texels::{StoredTexels, TexelFormat};
 pub use validation::{CrossValidation, cross_validate};
 
 #[cfg(doctest)]

@@ -3,7 +3,9 @@
 use brdf_model::{FitErrors, SampleSet, log_offsets, measure};
 use rayon::prelude::*;
 
-use crate::{FactorError, FactorParams, FactorSpec, Fit, TermSolve, factorize, factorize_terms};
+use crate::{
+    FactorError, FactorParams, FactorSpec, Fit, TermSolve, TexelFormat, factorize, factorize_terms,
+};
 
 /// The options of a cross-validation: how rows are split, and how training rows are replicated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +18,8 @@ pub struct CrossValidation {
     pub reciprocal: bool,
     /// Seed of the split.
     pub seed: u64,
+    /// How the texels of the models are stored when they are judged.
+    pub format: TexelFormat,
 }
 
 /// Returns the errors on rows that were not fitted, pooled over the folds.
@@ -49,7 +53,8 @@ pub fn cross_validate(
                 TermSolve::Last(_) => last_term(&training, specs, params)?,
             };
             let unseen = samples.select(held_out);
-            Ok((measure(&unseen, &fit.model, &log_offsets(&training)), unseen.len()))
+            let model = fit.model.stored_as(validation.format)?;
+            Ok((measure(&unseen, &model, &log_offsets(&training)), unseen.len()))
         })
         .collect();
     errors.map(|parts| Some(FitErrors::pooled(&parts)))

@@ -11,8 +11,9 @@ mod support;
 
 use crate::support::{cases, pair};
 use brdf_factor::{
-    Angle, Axis, Coordinate, FactorParams, FactorSpec, FactoredBrdf, IsotropicPairs, LogTransform,
-    Solver, Spacing, TermSolve, Weight, factorize, factorize_terms,
+    Angle, Axis, Coordinate, Factor, FactorParams, FactorSpec, FactoredBrdf, IsotropicPairs,
+    LogTransform, Solver, Spacing, StoredTexels, TermSolve, TexelFormat, Weight, factorize,
+    factorize_terms,
 };
 use brdf_model::{
     Brdf, Channels, DirectionBatch, PairSampling, Preset, RgbBatch, SampleSet, log_offsets, measure,
@@ -85,8 +86,13 @@ fn isotropic_specs() -> Vec<(String, Vec<FactorSpec>)> {
 #[test]
 fn turns_change_nothing_of_textures_over_angles() {
     let training = samples("ggx", 4_000, Channels::Rgb);
-    for (name, specs) in isotropic_specs() {
+    for (name, specs, model) in isotropic_specs().into_iter().flat_map(|(name, specs)| {
         let model = factorize(&training, &specs, &small()).unwrap().model;
+        TexelFormat::ALL.map(|format| {
+            let name = format!("{name} in {}", format.name());
+            (name, specs.clone(), model.stored_as(format).unwrap())
+        })
+    }) {
         let mirror = (0..40).map(|at| {
             let theta = 0.03 * f64::from(at);
             DirectionPair::from_angles(theta, 0.3, theta, 0.3 + std::f64::consts::PI)
@@ -224,12 +230,94 @@ fn reciprocal_factors_cannot_tell_light_from_viewer() {
             continue;
         }
         assert!(!name.ends_with("false"), "{name}");
-        let model = factorize(&training, &specs, &small()).unwrap().model;
-        for pair in sampling(500).pairs() {
-            let (a, b) = (model.eval(&pair).g, model.eval(&pair.swapped()).g);
-            assert!((a - b).abs() <= 1e-9 * a, "{name}: {a} and {b}");
+        let fitted = factorize(&training, &specs, &small()).unwrap().model;
+        for format in TexelFormat::ALL {
+            let model = fitted.stored_as(format).unwrap();
+            for pair in sampling(500).pairs() {
+                let (a, b) = (model.eval(&pair).g, model.eval(&pair.swapped()).g);
+                assert!((a - b).abs() <= 1e-9 * a, "{name} in {format:?}: {a} and {b}");
+            }
         }
     }
+}
+
+/// Rounding moves a log value by at most half a step for every read of a texture, and exchanging constants and
+/// functions before by no more than f32 leaves.
+#[test]
+fn stored_texels_are_within_half_a_step() {
+    let training = samples("ggx", 4_000, Channels::Rgb);
+    for (name, specs) in all_specs() {
+        let fitted = factorize(&training, &specs, &small()).unwrap().model;
+        for format in [TexelFormat::F16, TexelFormat::U8] {
+            let model = fitted.stored_as(format).unwrap();
+            assert!(model.factors().iter().all(|factor| factor.format() == format));
+            let steps = |channel: usize| -> f64 {
+                let factors = model.factors().iter();
+                factors
+                    .map(|factor| {
+                        let texels = factor.texels().iter().map(|t| f64::from(t[channel]));
+                        let (low, high) = texels
+                            .fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+                        let step = match format {
+                            TexelFormat::U8 => {
+                                let [low, high] = factor.stored(3).ranges[channel];
+                                f64::from(high - low) / 255.0
+                            }
+                            // Eleven digits, the first of which is not stored.
+                            _ => low.abs().max(high) / 1024.0,
+                        };
+                        step * factor.coordinates().len() as f64
+                    })
+                    .sum()
+            };
+            let steps = [0, 1, 2].map(steps);
+            for pair in sampling(500).pairs() {
+                let (before, after) = (fitted.log_values(&pair), model.log_values(&pair));
+                for channel in 0..3 {
+                    let off = (after[channel] - before[channel]).abs();
+                    assert!(off <= 0.5 * steps[channel] + 1e-5, "{name} in {format:?}: {off}");
+                }
+            }
+            assert_eq!(model.ceilings(), fitted.ceilings());
+            let bytes = format.bytes(1, 3) - format.range_bytes(3);
+            let texels: usize = model.factors().iter().map(|f| f.grid().texels()).sum();
+            let ranges = model.factors().len() * format.range_bytes(3);
+            assert_eq!(model.payload_bytes(), bytes * texels + ranges, "{name}");
+        }
+    }
+}
+
+/// Files that are read and written again stay what they are, unless texels are set anew.
+#[test]
+fn a_stored_factor_comes_back() {
+    let training = samples("ggx", 2_000, Channels::Rgb);
+    let fitted = factorize(&training, &FactorSpec::mccool(true), &small()).unwrap().model;
+    for format in TexelFormat::ALL {
+        for factor in fitted.stored_as(format).unwrap().factors() {
+            let stored = factor.stored(3);
+            let again = Factor::from_stored(factor.description().clone(), &stored, 3).unwrap();
+            assert_eq!(&again, factor, "{format:?}");
+            let mut set = again.clone();
+            set.set_texels(again.texels().to_vec()).unwrap();
+            assert_eq!(set.format(), TexelFormat::F32);
+            let short = StoredTexels { bytes: stored.bytes[1..].to_vec(), ..stored };
+            assert!(Factor::from_stored(factor.description().clone(), &short, 3).is_err());
+        }
+    }
+}
+
+#[test]
+fn texels_beyond_half_precision_are_refused() {
+    let training = samples("ggx", 2_000, Channels::Rgb);
+    let fitted = factorize(&training, &FactorSpec::mccool(true), &small()).unwrap().model;
+    let mut factors = fitted.factors().to_vec();
+    let mut texels = factors[0].texels().to_vec();
+    texels[0][0] = 2e5;
+    factors[0].set_texels(texels).unwrap();
+    let far = FactoredBrdf::new(factors, fitted.maps().to_vec(), fitted.theta_max()).unwrap();
+    assert!(far.stored_as(TexelFormat::U8).is_ok());
+    let said = far.stored_as(TexelFormat::F16).unwrap_err().to_string();
+    assert!(said.contains("f16"), "{said}");
 }
 
 /// A product of known textures over McCool's coordinates is found again.

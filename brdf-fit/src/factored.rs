@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use brdf_factor::{
     Coordinate, FactorError, FactorParams, FactorSpec, FactoredBrdf, Fit, LogTransform,
-    Preinverted, Problem, TermSolve, Weight, factorize,
+    Preinverted, Problem, TermSolve, TexelFormat, Weight, factorize,
 };
 use brdf_job::Job;
 use brdf_model::{
@@ -103,6 +103,8 @@ pub struct FactoredSettings {
     pub method: FactoredMethod,
     /// Texels along each side of a texture, 2 to 1024; none for 24 after a search, else 32.
     pub texture_size: Option<usize>,
+    /// How texels are stored.
+    pub texels: TexelFormat,
     /// What is fitted into the square of a texture.
     pub bound: Bound,
     /// Weight μ of each texel's Laplacian, relative to the samples.
@@ -147,12 +149,13 @@ impl FactoredSettings {
     /// Returns the usual settings of a method.
     pub fn of(method: FactoredMethod) -> Self {
         let (is_isotropic, samples) = match &method {
-            FactoredMethod::Isotropic(angles) => (true, angles.samples()),
+            FactoredMethod::Isotropic(angles) => (true, angles.samples(TexelFormat::F32)),
             _ => (false, 45_000),
         };
         Self {
             method,
             texture_size: None,
+            texels: TexelFormat::F32,
             bound: Bound::Disc,
             smoothing: 1e-4,
             log_transform: LogTransform::Offset,
@@ -170,10 +173,21 @@ impl FactoredSettings {
         }
     }
 
+    /// Returns the settings for texels stored so. Where a size in bytes makes that more texels, they are fitted to more
+    /// pairs.
+    #[must_use]
+    pub fn storing(self, texels: TexelFormat) -> Self {
+        let samples = match &self.method {
+            FactoredMethod::Isotropic(angles) => angles.samples(texels),
+            _ => self.samples,
+        };
+        Self { texels, samples, ..self }
+    }
+
     /// Returns what a fit of a material by these settings records.
     pub(crate) fn record(&self, material: &Material<'_>) -> FitSettingsRecord {
         if let FactoredMethod::Preinverted(basis) = &self.method {
-            return basis.record.settings.clone();
+            return FitSettingsRecord { texels: self.texels, ..basis.record.settings.clone() };
         }
         let is_lit_from_one_azimuth = SampleSet::has_one_light_azimuth;
         let replicate = match (self.replicate, &self.method) {
@@ -210,6 +224,7 @@ impl FactoredSettings {
             highlight: self.highlight,
             seed: self.seed,
             replicate,
+            texels: self.texels,
             search: search.map(SearchSettings::record),
         }
     }
@@ -273,7 +288,7 @@ impl FactoredModel {
 /// Models by number of terms, their errors, and McCool's beside them.
 #[derive(Clone, Debug)]
 pub struct FactoredFit {
-    /// The fits, the one with the most terms last; at least one.
+    /// The fits, the one with the most terms last; at least one. Their texels are those that are stored.
     pub fits: Vec<Fit>,
     /// Errors of each.
     pub terms: Vec<TermRecord>,
@@ -291,6 +306,8 @@ pub struct FactoredFit {
     pub albedo: Albedo,
     /// Of the model with the most terms, over held-out pairs away from the highlight and in it; none for scattered rows.
     pub fidelity: Option<Fidelity>,
+    /// The same as it was fitted, before its texels were rounded; none where they are stored as f32.
+    pub fitted_fidelity: Option<Fidelity>,
     /// How the model was made.
     pub method: Method,
     /// Name of the material.
@@ -406,7 +423,7 @@ pub fn fit_factored(
         method => specs_of(method, reciprocal[0], found.as_ref()),
     };
     fitting.begin("fitting", 1);
-    let fits = match &settings.method {
+    let mut fits = match &settings.method {
         FactoredMethod::Preinverted(basis) => {
             let problem = Problem::new(&training.fitted, &record.params)?;
             let (plan, inverse) = (basis.record.plan.clone(), basis.inverse.clone());
@@ -425,12 +442,15 @@ pub fn fit_factored(
         }
         (_, found) => found.as_ref().map(|found| found.models[index].family),
     };
+    let stored = fits.iter().map(|fit| fit.model.stored_as(record.texels));
+    let stored: Vec<FactoredBrdf> = stored.collect::<Result<_, _>>()?;
     let terms: Vec<TermRecord> = fits
         .par_iter()
+        .zip(&stored)
         .zip(&specs)
         .enumerate()
-        .map(|(index, (fit, specs))| {
-            let term = training.record(fit, specs, &record.params)?;
+        .map(|(index, ((fit, stored), specs))| {
+            let term = training.record(fit, stored, specs, &record)?;
             measuring.advance(1);
             Ok(TermRecord { family: family(index), ..term })
         })
@@ -444,10 +464,21 @@ pub fn fit_factored(
         FactoredMethod::McCool => terms[0].clone(),
         _ => {
             let fit = factorize(&training.fitted, &mccool, &record.params)?;
-            training.record(&fit, &mccool, &record.params)?
+            let as_fitted = FitSettingsRecord { texels: TexelFormat::F32, ..record.clone() };
+            training.record(&fit, &fit.model, &mccool, &as_fitted)?
         }
     };
     baseline_job.advance(1);
+    let fidelity = |model: &FactoredBrdf| {
+        material.samples().is_none().then(|| {
+            let seed = ScrambledSobol::held_out_seed(record.seed);
+            let pairs = FidelityPairs::new(seed, record.params.theta_max);
+            pairs.measure(&*channels.of(material.brdf()), model)
+        })
+    };
+    let is_rounded = !record.texels.is_f32();
+    let fitted_fidelity = fits.last().filter(|_| is_rounded).and_then(|fit| fidelity(&fit.model));
+    fits.iter_mut().zip(stored).for_each(|(fit, stored)| fit.model = stored);
     let model = &fits[fits.len() - 1].model;
     let albedo = Albedo {
         reference: material
@@ -456,11 +487,7 @@ pub fn fit_factored(
             .then(|| largest_albedo(channels.of(material.brdf()).as_ref(), model.theta_max()).0),
         model: largest_albedo(model, model.theta_max()).0,
     };
-    let fidelity = material.samples().is_none().then(|| {
-        let seed = ScrambledSobol::held_out_seed(record.seed);
-        let pairs = FidelityPairs::new(seed, record.params.theta_max);
-        pairs.measure(&*channels.of(material.brdf()), model)
-    });
+    let fidelity = fidelity(model);
     let searched = found.as_ref().map_or(0, |f| f.tried.iter().map(|t| t.evaluations).sum());
     let asked = record.search.as_ref().map_or(0, |search| search.terms);
     let mut fit = FactoredFit {
@@ -477,6 +504,7 @@ pub fn fit_factored(
         rows: training.rows.len(),
         albedo,
         fidelity,
+        fitted_fidelity,
         method: settings.method.name(),
         name: material.name().to_owned(),
         channels,

@@ -41,7 +41,7 @@ impl Fit {
     /// Returns the errors of the model on samples that were not fitted; none where there are none.
     pub fn held_out(&self) -> Option<&FitErrors> {
         match self {
-            Self::Factored(fit) => fit.terms.last()?.held_out.as_ref(),
+            Self::Factored(fit) => fit.terms.last()?.of_model().1,
             Self::Separable(fit) => fit.model.record.terms.last()?.held_out.as_ref(),
             Self::Compact(fit) => fit.model.record.held_out.as_ref(),
         }
@@ -51,7 +51,7 @@ impl Fit {
     /// errors stand in its record, and splines to nodes of their own.
     pub fn training(&self) -> Option<&FitErrors> {
         match self {
-            Self::Factored(fit) => Some(&fit.terms.last()?.training),
+            Self::Factored(fit) => Some(fit.terms.last()?.of_model().0),
             Self::Separable(_) => None,
             Self::Compact(fit) => fit.training.as_ref(),
         }

@@ -1,6 +1,8 @@
 //! Which pairs of angles an isotropic material gets textures over, and how their texels are spaced.
 
-use brdf_factor::{FactorError, FactorSpec, IsotropicPairs, Problem, Spacing, factorize_problem};
+use brdf_factor::{
+    FactorError, FactorSpec, IsotropicPairs, Problem, Spacing, TexelFormat, factorize_problem,
+};
 use brdf_job::Job;
 use brdf_model::{Channels, SampleSet};
 use rayon::prelude::*;
@@ -12,9 +14,6 @@ use crate::material::Material;
 use crate::record::FitSettingsRecord;
 use crate::training::Training;
 
-/// Bytes of a texel of one channel.
-const VALUE_BYTES: usize = 4;
-
 /// Textures over pairs of angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IsotropicSettings {
@@ -22,7 +21,7 @@ pub struct IsotropicSettings {
     pub pairs: Option<IsotropicPairs>,
     /// How texels are spaced along θh; none for what suits best.
     pub spacing: Option<Spacing>,
-    /// Most bytes of all textures, as f32.
+    /// Most bytes of all textures as stored.
     pub bytes: usize,
 }
 
@@ -53,10 +52,11 @@ impl IsotropicSettings {
     const SPACINGS: [Spacing; 3] =
         [Spacing::Linear, Spacing::Power { exponent: 0.75 }, Spacing::Power { exponent: 0.5 }];
 
-    /// Returns the number of pairs that so many texels are fitted to well: 32 for each, from 20,000 to 90,000.
-    pub fn samples(&self) -> u32 {
-        const TEXEL_BYTES: usize = 12;
-        let pairs = (32 * (self.bytes / TEXEL_BYTES)).clamp(20_000, 90_000);
+    /// Returns the number of pairs that as many texels are fitted to well as there can be in this format: 32 for each, from
+    /// 20,000 to 90,000.
+    pub fn samples(&self, format: TexelFormat) -> u32 {
+        let texels = format.texels_within(self.bytes, 4, 3);
+        let pairs = texels.saturating_mul(32).clamp(20_000, 90_000);
         u32::try_from(pairs).unwrap_or(u32::MAX)
     }
 
@@ -65,14 +65,13 @@ impl IsotropicSettings {
         &self,
         pairs: IsotropicPairs,
         spacing: Spacing,
+        format: TexelFormat,
         channels: Channels,
         reciprocal: bool,
     ) -> Vec<FactorSpec> {
-        let values = match channels {
-            Channels::Luminance => 1,
-            Channels::Rgb => 3,
-        };
-        pairs.specs(spacing, self.bytes / (VALUE_BYTES * values), reciprocal)
+        let textures = pairs.textures();
+        let texels = format.texels_within(self.bytes, textures, channels.count());
+        pairs.specs(spacing, texels, reciprocal)
     }
 
     /// Returns the factors that suit a material best, whether they are reciprocal, and what was tried: nothing where
@@ -94,7 +93,9 @@ impl IsotropicSettings {
                 choices.extend(spacings.iter().map(|&spacing| (pairs, spacing, reciprocal)));
             }
         }
-        let specs = |(pairs, spacing, reciprocal)| self.specs(pairs, spacing, channels, reciprocal);
+        let specs = |(pairs, spacing, reciprocal)| {
+            self.specs(pairs, spacing, record.texels, channels, reciprocal)
+        };
         if let [only] = choices[..] {
             return Ok((specs(only), only.2, Vec::new()));
         }
@@ -105,7 +106,7 @@ impl IsotropicSettings {
             .map(|&choice| {
                 job.check()?;
                 let (pairs, spacing, reciprocal) = choice;
-                let error = trial.error(&specs(choice))?;
+                let error = trial.error(&specs(choice), record.texels)?;
                 job.advance(1);
                 Ok(TriedPairs { pairs, spacing, reciprocal, error })
             })
@@ -156,14 +157,13 @@ impl Trial {
         })
     }
 
-    fn error(&self, specs: &[FactorSpec]) -> Result<f64, FactorError> {
+    /// The error of the model as it would be stored.
+    fn error(&self, specs: &[FactorSpec], format: TexelFormat) -> Result<f64, FactorError> {
+        let (Self::Drawn { problem, .. } | Self::Rows { problem, .. }) = self;
+        let model = factorize_problem(problem, specs)?.model.stored_as(format)?;
         Ok(match self {
-            Self::Drawn { problem, judge } => {
-                judge.error(&factorize_problem(problem, specs)?.model)
-            }
-            Self::Rows { problem, fitted, unseen } => {
-                error_on(unseen, fitted, &factorize_problem(problem, specs)?.model)
-            }
+            Self::Drawn { judge, .. } => judge.error(&model),
+            Self::Rows { fitted, unseen, .. } => error_on(unseen, fitted, &model),
         })
     }
 }

@@ -72,7 +72,7 @@ pub use note::FitNote;
 pub use preinvert::preinvert;
 pub use record::{
     Albedo, BasisRecord, FactoredRecord, FitSettingsRecord, RankRecord, SearchSettingsRecord,
-    SeparableRecord, SeparableSettingsRecord, TermRecord, TriedModel,
+    SeparableRecord, SeparableSettingsRecord, StoredErrors, TermRecord, TriedModel,
 };
 pub use report::{
     BaselineReport, CompactReport, FactoredEvaluation, FactoredReport, KeptReport, MatrixReport,

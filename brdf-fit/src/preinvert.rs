@@ -1,6 +1,6 @@
 //! Matrices that are inverted once and used for other values at the same places.
 
-use brdf_factor::{Inverse, Inversion, Plan, Preinverted, Problem};
+use brdf_factor::{Inverse, Inversion, Plan, Preinverted, Problem, TexelFormat};
 use brdf_job::Job;
 
 use crate::basis::Basis;
@@ -8,7 +8,7 @@ use crate::error::FitError;
 use crate::factored::FactoredSettings;
 use crate::factored::Reciprocity;
 use crate::material::Material;
-use crate::record::BasisRecord;
+use crate::record::{BasisRecord, FitSettingsRecord};
 use crate::training::Training;
 
 /// Returns the inverted matrix of a material's samples, for others at the same places.
@@ -42,7 +42,8 @@ pub fn preinvert(
     let record = BasisRecord {
         method: settings.method.name(),
         plan: inverted.plan().clone(),
-        settings: record,
+        // Every model that is made by it says for itself.
+        settings: FitSettingsRecord { texels: TexelFormat::F32, ..record },
         key: inverted.key().to_owned(),
         unknowns: inverted.unknowns(),
         components: match inverted.inverse() {

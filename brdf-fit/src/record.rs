@@ -1,6 +1,6 @@
 //! How models were made and how good they are, as files and reports keep it.
 
-use brdf_factor::{FactorParams, Plan};
+use brdf_factor::{FactorParams, Plan, TexelFormat};
 use brdf_model::{Dropped, FitErrors};
 use brdf_param::{Projection, Space};
 use brdf_search::Objective;
@@ -48,6 +48,9 @@ pub struct FitSettingsRecord {
     pub seed: u64,
     /// Copies of each sample by rotation.
     pub replicate: u32,
+    /// How texels are stored.
+    #[serde(default, skip_serializing_if = "TexelFormat::is_f32")]
+    pub texels: TexelFormat,
     /// How projections were searched, if they were.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub search: Option<SearchSettingsRecord>,
@@ -87,6 +90,30 @@ pub struct TermRecord {
     /// Its projections, for each factor that has one; conjugates are left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub projections: Vec<Projection>,
+    /// Over the training samples.
+    #[serde(flatten)]
+    pub training: FitErrors,
+    /// Over samples that were not fitted; none where there were too few.
+    pub held_out: Option<FitErrors>,
+    /// The same of the model with its texels as stored; none where those are f32, as they are fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stored: Option<StoredErrors>,
+}
+
+impl TermRecord {
+    /// Returns the errors of the model as it is stored: over the training samples, and over those that were not fitted.
+    pub fn of_model(&self) -> (&FitErrors, Option<&FitErrors>) {
+        match &self.stored {
+            Some(stored) => (&stored.training, stored.held_out.as_ref()),
+            None => (&self.training, self.held_out.as_ref()),
+        }
+    }
+}
+
+/// Errors of a model whose texels were rounded to be stored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StoredErrors {
     /// Over the training samples.
     #[serde(flatten)]
     pub training: FitErrors,

@@ -59,6 +59,9 @@ pub struct FactoredReport {
     pub solve: SolveReport,
     /// Of the model with the most terms, away from the highlight and in it; none for scattered rows.
     pub fidelity: Option<Fidelity>,
+    /// The same as it was fitted, before its texels were rounded; none where they are stored as f32.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fitted_fidelity: Option<Fidelity>,
     /// What evaluating the model on the pairs of a whole hemisphere does.
     pub evaluation: FactoredEvaluation,
     /// The settings that were used.
@@ -145,6 +148,7 @@ impl FactoredFit {
             albedo: self.albedo,
             channels: self.channels,
             fidelity: self.fidelity,
+            fitted_fidelity: self.fitted_fidelity,
             solve: SolveReport {
                 solver: fit.solver,
                 unknowns: fit.unknowns,

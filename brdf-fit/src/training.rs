@@ -2,7 +2,8 @@
 
 use brdf_factor::Coordinate;
 use brdf_factor::{
-    CrossValidation, FactorError, FactorParams, FactorSpec, Fit, LogTransform, cross_validate,
+    CrossValidation, FactorError, FactorParams, FactorSpec, FactoredBrdf, Fit, LogTransform,
+    TexelFormat, cross_validate,
 };
 use brdf_model::{
     Channels, FitErrors, PairSampling, SampleSet, ScrambledSobol, log_offsets, measure,
@@ -10,7 +11,7 @@ use brdf_model::{
 use brdf_param::Projection;
 
 use crate::material::Material;
-use crate::record::{FitSettingsRecord, TermRecord};
+use crate::record::{FitSettingsRecord, StoredErrors, TermRecord};
 
 /// Pairs of the held-out set of a material that can be drawn from.
 pub const HELD_OUT_PAIRS: u32 = 20_000;
@@ -67,6 +68,7 @@ impl Training {
                 // Twins would repeat the equations that shared textures already make.
                 reciprocal: false,
                 seed: settings.seed,
+                format: TexelFormat::F32,
             };
             let fitted = rows.replicated(folds.rotations, folds.reciprocal);
             let offsets = log_offsets(&fitted);
@@ -114,27 +116,51 @@ impl Training {
         SearchSamples { fitted, choice }
     }
 
+    /// The errors of a fit, and those of its model with texels as they are stored.
     pub(crate) fn record(
         &self,
         fit: &Fit,
+        stored: &FactoredBrdf,
         specs: &[FactorSpec],
-        params: &FactorParams,
+        settings: &FitSettingsRecord,
     ) -> Result<TermRecord, FactorError> {
-        let offsets = &self.offsets;
-        let held_out: Option<FitErrors> = match &self.held_out {
-            HeldOut::Drawn(unseen) => {
-                (!unseen.is_empty()).then(|| measure(unseen, &fit.model, offsets))
-            }
-            HeldOut::Folds(folds) => cross_validate(&self.rows, specs, params, folds)?,
+        let held_out = |model, format| self.held_out(model, specs, &settings.params, format);
+        let stored = if settings.texels.is_f32() {
+            None
+        } else {
+            Some(StoredErrors {
+                training: measure(&self.rows, stored, &self.offsets),
+                held_out: held_out(stored, settings.texels)?,
+            })
         };
         Ok(TermRecord {
             textures: fit.model.factors().len(),
             family: None,
             projections: projections(specs),
             // Rotated copies of a row repeat its error but for the texel grid; the rows suffice.
-            training: measure(&self.rows, &fit.model, offsets),
-            held_out,
+            training: measure(&self.rows, &fit.model, &self.offsets),
+            held_out: held_out(&fit.model, TexelFormat::F32)?,
+            stored,
         })
+    }
+
+    /// The errors of a model, or of models fitted to folds, on what was not fitted.
+    fn held_out(
+        &self,
+        model: &FactoredBrdf,
+        specs: &[FactorSpec],
+        params: &FactorParams,
+        format: TexelFormat,
+    ) -> Result<Option<FitErrors>, FactorError> {
+        match &self.held_out {
+            HeldOut::Drawn(unseen) => {
+                Ok((!unseen.is_empty()).then(|| measure(unseen, model, &self.offsets)))
+            }
+            HeldOut::Folds(folds) => {
+                let folds = CrossValidation { format, ..*folds };
+                cross_validate(&self.rows, specs, params, &folds)
+            }
+        }
     }
 }
 

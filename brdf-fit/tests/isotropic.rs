@@ -1,6 +1,6 @@
 //! Methods that take a material to be isotropic give isotropic models, the mirror direction included.
 
-use brdf_factor::{IsotropicPairs, Spacing};
+use brdf_factor::{IsotropicPairs, Spacing, TexelFormat};
 use brdf_fit::{
     AutoSettings, CompactMethod, CompactSettings, FactoredMethod, FactoredSettings, Fit,
     FitSettings, IsotropicSettings, LogChoice, Material, Method, SeparableMap, SeparableMethod,
@@ -36,16 +36,18 @@ fn turning_both_directions_changes_no_isotropic_model() {
         texture_size: Some(16),
         ..FactoredSettings::of(FactoredMethod::Radial)
     };
-    let angles = |pairs| {
+    let angles = |pairs, texels| {
         let spacing = Some(Spacing::Power { exponent: 0.5 });
         let angles = IsotropicSettings { pairs: Some(pairs), spacing, bytes: 3000 };
         let method = FactoredMethod::Isotropic(angles);
-        FitSettings::Factored(FactoredSettings { samples: 3000, ..FactoredSettings::of(method) })
+        let settings = FactoredSettings::of(method).storing(texels);
+        FitSettings::Factored(FactoredSettings { samples: 3000, ..settings })
     };
     let settings = [
-        angles(IsotropicPairs::Polar),
-        angles(IsotropicPairs::Cartesian),
-        angles(IsotropicPairs::Oriented),
+        angles(IsotropicPairs::Polar, TexelFormat::F32),
+        angles(IsotropicPairs::Polar, TexelFormat::U8),
+        angles(IsotropicPairs::Cartesian, TexelFormat::F16),
+        angles(IsotropicPairs::Oriented, TexelFormat::U8),
         separable(SeparableMap::Merl),
         FitSettings::Auto(AutoSettings::default()),
         compact(CompactMethod::Spline { bytes: 900 }),

@@ -167,6 +167,12 @@ fn errors(report: &FactoredReport) -> Markup {
             "channels. Held-out samples were not fitted."
         }
         (fidelity_table(report.fidelity))
+        @if let Some(fitted) = report.fitted_fidelity {
+            p {
+                "Texels are stored in " (report.settings.texels.name()) ", which these errors are of. As fitted in "
+                "f32 their geometric mean is " (significant(fitted.score())) "."
+            }
+        }
         p {
             "Largest directional albedo within the grazing limit: model " (significant(albedo.model))
             ", reference " (or_dash(albedo.reference))
@@ -220,6 +226,10 @@ fn error_rows(name: &str, term: &TermRecord) -> Markup {
     html! {
         (error_row(name, "training", Some(&term.training)))
         (error_row(name, "held out", term.held_out.as_ref()))
+        @if let Some(stored) = &term.stored {
+            (error_row(name, "training, as stored", Some(&stored.training)))
+            (error_row(name, "held out, as stored", stored.held_out.as_ref()))
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use brdf_container::MaterialInfo;
+use brdf_factor::TexelFormat;
 use brdf_fit::{
     CompactReport, Comparison, Distribution, FactoredModel, FactoredReport, FolderComparison,
     Method, ModelMeasures, SeparableReport, TermRecord,
@@ -106,10 +107,11 @@ fn write_info(info: &MaterialInfo, out: &mut String) -> fmt::Result {
         for term in &model.terms {
             writeln!(
                 out,
-                "  {} textures: mean square log error {}, held out {}",
+                "  {} textures: mean square log error {}, held out {}{}",
                 term.textures,
                 significant(term.training.log.mean_square),
-                or_dash(term.held_out.as_ref().map(|e| e.log.mean_square))
+                or_dash(term.held_out.as_ref().map(|e| e.log.mean_square)),
+                as_stored(term, model.settings.texels)
             )?;
         }
     }
@@ -245,11 +247,12 @@ fn write_factored(name: &str, report: &FactoredReport, out: &mut String) -> fmt:
     for term in &report.terms {
         writeln!(
             out,
-            "{:>2} textures{}: mean square log error {}, held out {}",
+            "{:>2} textures{}: mean square log error {}, held out {}{}",
             term.textures,
             term.family.map_or(String::new(), |family| format!(" ({family})")),
             significant(term.training.log.mean_square),
-            held_out(term)
+            held_out(term),
+            as_stored(term, report.settings.texels)
         )?;
     }
     if report.method != Method::McCool {
@@ -264,6 +267,15 @@ fn write_factored(name: &str, report: &FactoredReport, out: &mut String) -> fmt:
     }
     if let Some(fidelity) = &report.fidelity {
         writeln!(out, "{}", fidelity_line(fidelity))?;
+        if let Some(fitted) = &report.fitted_fidelity {
+            writeln!(
+                out,
+                "geometric mean of eight held-out errors {} as fitted in f32, {} as stored in {}",
+                significant(fitted.score()),
+                significant(fidelity.score()),
+                report.settings.texels.name()
+            )?;
+        }
     }
     writeln!(
         out,
@@ -279,6 +291,18 @@ fn write_factored(name: &str, report: &FactoredReport, out: &mut String) -> fmt:
         writeln!(out, "note: {note}")?;
     }
     Ok(())
+}
+
+/// The errors of a model whose texels were rounded, beside those as fitted.
+fn as_stored(term: &TermRecord, texels: TexelFormat) -> String {
+    term.stored.as_ref().map_or(String::new(), |stored| {
+        format!(
+            " as fitted in f32; {}, held out {} as stored in {}",
+            significant(stored.training.log.mean_square),
+            or_dash(stored.held_out.as_ref().map(|e| e.log.mean_square)),
+            texels.name()
+        )
+    })
 }
 
 fn write_separable(name: &str, report: &SeparableReport, out: &mut String) -> fmt::Result {
@@ -386,7 +410,11 @@ fn write_kept(kept: &FactoredModel, out: &mut String) -> fmt::Result {
     if let Some(term) = kept.record.terms.iter().find(|term| term.textures == textures) {
         let training = significant(term.training.log.mean_square);
         let held_out = or_dash(term.held_out.as_ref().map(|e| e.log.mean_square));
-        writeln!(out, "mean square log error {training}, held out {held_out} (as recorded)")?;
+        let stored = as_stored(term, kept.record.settings.texels);
+        writeln!(
+            out,
+            "mean square log error {training}, held out {held_out}{stored} (as recorded)"
+        )?;
     }
     Ok(())
 }

@@ -16,8 +16,8 @@ use brdf_param::{DirectionPair, Parametrization};
 use brdf_separable::{EigenSolver, Fill};
 use tempfile::TempDir;
 
-/// Products of textures: every coordinate, space and log map, with and without reciprocity.
-const PRODUCTS: [&str; 13] = [
+/// Products of textures: every coordinate, space, log map and format of texels, with and without reciprocity.
+const PRODUCTS: [&str; 17] = [
     "preset:ggx --method mccool",
     "preset:ashikhmin-shirley --method mccool --reciprocal off --luminance --bound cube --max-theta-deg 60",
     "preset:plastic --method radial --reciprocal off --log-map log",
@@ -32,6 +32,10 @@ const PRODUCTS: [&str; 13] = [
     "preset:cook-torrance --angles cartesian --spacing 0.5 --bytes 3k --luminance",
     "preset:ggx --angles oriented --bytes 3k --reciprocal off",
     "preset:plastic --coordinates angles.toml",
+    "preset:ggx --method mccool --texels f16",
+    "preset:plastic --method radial --reciprocal off --luminance --texels u8",
+    "preset:ggx --angles cartesian --bytes 1500 --texels f16 --luminance",
+    "preset:ggx --angles polar --bytes 1k --texels u8",
 ];
 
 /// Splines of a material with both symmetries, in colour and grey, and lobes.
@@ -199,18 +203,22 @@ fn the_documented_program_reads_any_number_of_textures() {
     let root = TempDir::new().unwrap();
     let folder = root.path();
     write_inputs(folder);
-    let search = "factor preset:ggx --terms 2 --restarts 1 --space standard --samples 1000 --texture-size 6 -o all";
-    succeed(folder, &search.split(' ').collect::<Vec<_>>());
-    let model = "all/model.safetensors";
-    for keep in ["1", "2"] {
-        succeed(folder, &["factor", "--from", model, "--keep", keep, "-o", keep]);
+    let search = "factor preset:ggx --terms 2 --restarts 1 --space standard --samples 1000 --texture-size 6 --texels";
+    for (texels, keep) in [("f32", "1"), ("f32", "2"), ("u8", "1"), ("u8", "2")] {
+        let model = &format!("{texels}/model.safetensors");
+        if keep == "1" {
+            succeed(folder, &search.split(' ').chain([texels, "-o", texels]).collect::<Vec<_>>());
+        }
+        let kept = &format!("{texels}-{keep}");
+        succeed(folder, &["factor", "--from", model, "--keep", keep, "-o", kept]);
         let program = program();
         let arguments = [program.to_str().unwrap(), model, "pairs.csv", "--textures", keep];
         let output = Command::new(&python).args(arguments).current_dir(folder).output().unwrap();
         assert!(output.status.success(), "{}", text(&output.stderr));
         let found = rows(&text(&output.stdout), 0);
-        compare(keep, &found, &in_brdf(folder, "pairs.csv", &format!("{keep}/model.safetensors")));
+        compare(kept, &found, &in_brdf(folder, "pairs.csv", &format!("{kept}/model.safetensors")));
     }
+    let model = "f32/model.safetensors";
     fail(folder, &["eval", model, "--directions", "nothing.csv"], 1);
 }
 

@@ -25,7 +25,9 @@ use self::preinvert::PreinvertArgs;
 use self::separable::SeparableArgs;
 use crate::advice::fit_notes;
 use crate::args::{PairArgs, ReadArgs, not_negative, positive, share};
-use crate::choices::{BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, WeightArg};
+use crate::choices::{
+    BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, TexelsArg, WeightArg,
+};
 use crate::outputs::{FolderArgs, command_line, write_all};
 use crate::progress::Watch;
 
@@ -84,6 +86,11 @@ pub(super) struct Factor {
     /// [default: 24 for --method search, else 32]
     #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(2..=1024))]
     texture_size: Option<u32>,
+
+    /// How texels, which are logarithms, are stored, of all methods that make textures of them. What --bytes says counts as
+    /// stored: f16 has twice the texels, u8 four times [default: f32]
+    #[arg(long, value_enum)]
+    texels: Option<TexelsArg>,
 
     /// Direction pairs to draw and fit; scattered measurements give their own rows. For --method isotropic 20000 to 90000,
     /// by its size [default: 45000]
@@ -244,7 +251,8 @@ impl Factor {
             Some(basis) => brdf_fit::FactoredMethod::Preinverted(Box::new(basis)),
             None => self.plan()?,
         };
-        let usual = FactoredSettings::of(method);
+        let texels = self.texels.unwrap_or(TexelsArg::F32).into();
+        let usual = FactoredSettings::of(method).storing(texels);
         Ok(FactoredSettings {
             texture_size: self.texture_size.map(|size| size as usize),
             bound: self.bound.into(),

@@ -134,6 +134,7 @@ impl Factor {
     pub(super) fn texture_option_given(&self) -> Option<&'static str> {
         first_given(&[
             (self.projections.is_some(), "--projections"),
+            (self.texels.is_some(), "--texels"),
             (self.samples.is_some(), "--samples"),
             (self.smoothing.to_bits() != 1e-4_f64.to_bits(), "--smoothing"),
             (self.bound != BoundArg::Disc, "--bound"),
