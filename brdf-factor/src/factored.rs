@@ -381,9 +381,8 @@ impl FactoredBrdf {
 
     /// Returns the model with texels that can be stored in a format without loss: what is evaluated is what a file holds.
     ///
-    /// Before they are rounded to the nearest values, factors exchange constants, and textures with the same texels along
-    /// the same angle functions of that angle. That changes no value, but brings the texels of each texture nearer
-    /// to each other. Texels as f32 stay as they are.
+    /// Before texels are rounded to the nearest values, factors exchange constants, which changes no value: all ranges get
+    /// the same middle, so that texels are small. Texels as f32 stay as they are.
     ///
     /// # Errors
     ///

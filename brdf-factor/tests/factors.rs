@@ -241,8 +241,8 @@ fn reciprocal_factors_cannot_tell_light_from_viewer() {
     }
 }
 
-/// Rounding moves a log value by at most half a step for every read of a texture, and exchanging constants and
-/// functions before by no more than f32 leaves.
+/// Rounding moves a log value by at most half a step for every read of a texture, and exchanging constants
+/// before by no more than f32 leaves.
 #[test]
 fn stored_texels_are_within_half_a_step() {
     let training = samples("ggx", 4_000, Channels::Rgb);

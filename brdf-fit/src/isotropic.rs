@@ -1,7 +1,8 @@
 //! Which pairs of angles an isotropic material gets textures over, and how their texels are spaced.
 
 use brdf_factor::{
-    FactorError, FactorSpec, IsotropicPairs, Problem, Spacing, TexelFormat, factorize_problem,
+    FactorError, FactorSpec, IsotropicPairs, Problem, Solver, Spacing, TexelFormat,
+    factorize_problem,
 };
 use brdf_job::Job;
 use brdf_model::{Channels, SampleSet};
@@ -21,7 +22,7 @@ pub struct IsotropicSettings {
     pub pairs: Option<IsotropicPairs>,
     /// How texels are spaced along θh; none for what suits best.
     pub spacing: Option<Spacing>,
-    /// Most bytes of all textures as stored.
+    /// Most bytes of all textures as stored. There are at most 8192 texels, whatever the bytes are.
     pub bytes: usize,
 }
 
@@ -60,18 +61,11 @@ impl IsotropicSettings {
         u32::try_from(pairs).unwrap_or(u32::MAX)
     }
 
-    /// The factors of a choice.
-    fn specs(
-        &self,
-        pairs: IsotropicPairs,
-        spacing: Spacing,
-        format: TexelFormat,
-        channels: Channels,
-        reciprocal: bool,
-    ) -> Vec<FactorSpec> {
-        let textures = pairs.textures();
-        let texels = format.texels_within(self.bytes, textures, channels.count());
-        pairs.specs(spacing, texels, reciprocal)
+    /// The texels that a choice of pairs can have in all. An iterative solver would take minutes for more than are solved
+    /// for directly, and more pairs would have to be fitted.
+    fn texels(&self, pairs: IsotropicPairs, format: TexelFormat, channels: Channels) -> usize {
+        let texels = format.texels_within(self.bytes, pairs.textures(), channels.count());
+        texels.min(Solver::MAX_DENSE)
     }
 
     /// Returns the factors that suit a material best, whether they are reciprocal, and what was tried: nothing where
@@ -93,11 +87,12 @@ impl IsotropicSettings {
                 choices.extend(spacings.iter().map(|&spacing| (pairs, spacing, reciprocal)));
             }
         }
-        let specs = |(pairs, spacing, reciprocal)| {
-            self.specs(pairs, spacing, record.texels, channels, reciprocal)
+        let specs = |(pairs, spacing, reciprocal): (IsotropicPairs, Spacing, bool), most| {
+            let texels = self.texels(pairs, record.texels, channels).min(most);
+            pairs.specs(spacing, texels, reciprocal)
         };
         if let [only] = choices[..] {
-            return Ok((specs(only), only.2, Vec::new()));
+            return Ok((specs(only, usize::MAX), only.2, Vec::new()));
         }
         let trial = Trial::new(material, training, channels, record)?;
         job.begin("choosing angles", choices.len() as u64);
@@ -106,14 +101,14 @@ impl IsotropicSettings {
             .map(|&choice| {
                 job.check()?;
                 let (pairs, spacing, reciprocal) = choice;
-                let error = trial.error(&specs(choice), record.texels)?;
+                let error = trial.error(&specs(choice, TRIAL_TEXELS), record.texels)?;
                 job.advance(1);
                 Ok(TriedPairs { pairs, spacing, reciprocal, error })
             })
             .collect::<Result<_, FitError>>()?;
         let best = tried.iter().min_by(|a, b| a.handicapped().total_cmp(&b.handicapped()));
         let best = best.map_or(choices[0], |best| (best.pairs, best.spacing, best.reciprocal));
-        Ok((specs(best), best.2, tried))
+        Ok((specs(best, usize::MAX), best.2, tried))
     }
 }
 
@@ -128,6 +123,9 @@ impl TriedPairs {
 
 /// Pairs that trials are fitted to at most: half of all, which rank choices as well.
 const TRIAL_PAIRS: usize = 30_000;
+
+/// Texels that a model of a trial has at most: those of 33.75 KiB in f32. More of them take their time and rank choices alike.
+const TRIAL_TEXELS: usize = 2_880;
 
 /// What is fitted and what is compared, to choose by.
 enum Trial {

@@ -56,6 +56,38 @@ fn textures_over_angles_are_chosen_by_trial_or_by_name() {
 }
 
 #[test]
+fn texels_of_fewer_bits_leave_room_for_more_of_them() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let words = "factor preset:ggx --angles polar --spacing 1 --bytes 4k --samples 20000 --json";
+    let of = |texels: &str| report(root, &format!("{words} --texels {texels} -o {texels}"));
+    let texels = |report: &Value| report["solve"]["unknowns"].as_u64().unwrap();
+    let plain = of("f32");
+    assert!(plain["terms"][0].get("stored").is_none() && plain.get("fitted_fidelity").is_none());
+    for (name, times) in [("f16", 2.0), ("u8", 3.8)] {
+        let stored = of(name);
+        assert!(stored["bytes"].as_u64().unwrap() <= 4096, "{stored}");
+        assert_eq!(stored["settings"]["texels"], name);
+        let more = texels(&stored) as f64 / texels(&plain) as f64;
+        assert!((more / times - 1.0).abs() < 0.1, "{name}: {more} times the texels");
+        // Errors as fitted and as stored stand side by side.
+        let term = &stored["terms"][0];
+        let log = |errors: &Value| errors["held_out"]["log"]["mean_square"].as_f64().unwrap();
+        let (fitted, rounded) = (log(term), log(&term["stored"]));
+        assert!(fitted > 0.0 && rounded > 0.0 && fitted < 2.0 * rounded, "{term}");
+        assert!(stored["fitted_fidelity"]["highlight"].is_object(), "{stored}");
+        let words = format!("info {name}/model.safetensors");
+        let said = succeed(root, &words.split(' ').collect::<Vec<_>>());
+        assert!(said.contains(&format!("as stored in {name}")), "{said}");
+    }
+    let said = succeed(
+        root,
+        &"factor preset:ggx --bytes 2k --texels u8 -o d".split(' ').collect::<Vec<_>>(),
+    );
+    assert!(said.contains("isotropic in") && said.contains("as stored in u8"), "{said}");
+}
+
+#[test]
 fn options_that_do_not_go_together_are_refused() {
     let root = tempfile::tempdir().unwrap();
     for (words, says) in [
@@ -72,6 +104,12 @@ fn options_that_do_not_go_together_are_refused() {
         ),
         ("factor preset:ggx --method mccool --angles polar", "--angles is for --method auto"),
         ("factor preset:ggx --angles polar --texture-size 8", "here --bytes says how large"),
+        (
+            "factor preset:ggx --method spline --texels f16",
+            "--texels does not apply to --method spline",
+        ),
+        ("factor preset:ggx --method auto --texels u8", "--texels does not apply to --method auto"),
+        ("factor preset:ggx --method svd --texels u8", "--texels does not apply to --method svd"),
         ("factor preset:ggx --method coordinates", "needs --coordinates FILE"),
         ("factor preset:ggx --method spline --highlight .5", "--highlight does not apply"),
         (

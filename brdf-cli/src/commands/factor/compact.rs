@@ -15,7 +15,7 @@ use crate::choices::{AnglesArg, LogMapArg, MethodArg};
 pub(super) struct CompactArgs {
     /// Most bytes of the model, such as 2.7k, 8k or 32k [default: 8k; 33.75k for --method isotropic]
     #[arg(long, value_name = "BYTES", value_parser = memory)]
-    bytes: Option<usize>,
+    pub(super) bytes: Option<usize>,
 
     /// For --method auto: the smallest model with this error, in place of the best of so many bytes. The error is the
     /// geometric mean of eight, away from the highlight and in it; .02 is hard to see

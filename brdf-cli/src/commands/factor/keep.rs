@@ -16,7 +16,7 @@ use crate::outputs::write_all;
 #[command(next_help_heading = "A smaller model of an earlier search")]
 pub(super) struct KeepArgs {
     /// Take the model from this file instead of fitting one
-    #[arg(long, value_name = "MODEL", requires = "keep", conflicts_with_all = ["input", "method"])]
+    #[arg(long, value_name = "MODEL", requires = "keep", conflicts_with_all = ["input", "method", "texels"])]
     from: Option<PathBuf>,
 
     /// Number of textures to keep: the best model of that many

@@ -88,7 +88,7 @@ pub(super) struct Factor {
     texture_size: Option<u32>,
 
     /// How texels, which are logarithms, are stored, of all methods that make textures of them. What --bytes says counts as
-    /// stored: f16 has twice the texels, u8 four times [default: f32]
+    /// stored: f16 has twice the texels, u8 four times, up to 8192 in all [default: f32]
     #[arg(long, value_enum)]
     texels: Option<TexelsArg>,
 
@@ -239,6 +239,8 @@ impl Factor {
             Some(method) => method,
             None if self.coordinates.is_some() => MethodArg::Coordinates,
             None if self.compact.angle_option_given().is_some() => MethodArg::Isotropic,
+            // No other method has textures of a size in bytes.
+            None if self.texels.is_some() && self.compact.bytes.is_some() => MethodArg::Isotropic,
             None if is_of_textures => MethodArg::Search,
             None if self.compact.lobes.is_some() => MethodArg::Ggx,
             None => MethodArg::Auto,
