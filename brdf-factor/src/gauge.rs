@@ -9,8 +9,9 @@ type Texels = Vec<[f64; 4]>;
 /// Returns the texels of every factor, with constants moved between factors so that in each channel the ranges of all
 /// have the same middle. That changes no value, and makes texels small, which half precision tells apart best.
 ///
-/// Functions of an angle that textures share could be moved as well. That was tried: where it makes one range smaller
-/// it makes another larger, and rounding to eight bits adds as much to values as before.
+/// Functions of an angle that textures share could be moved as well. Where that makes one range smaller it makes another
+/// larger: models of 8 KiB in eight bits had 1 % less error by it, those of the same texels in f32 up to 5 % less rounding,
+/// or 3 % more.
 pub(crate) fn balanced(factors: &[Factor]) -> Vec<Texels> {
     let mut texels: Vec<Texels> = factors
         .iter()
