@@ -307,7 +307,7 @@ pub struct FactoredFit {
     /// Of the model with the most terms, over held-out pairs away from the highlight and in it; none for scattered rows.
     pub fidelity: Option<Fidelity>,
     /// The same as it was fitted, before its texels were rounded; none where they are stored as f32.
-    pub fitted_fidelity: Option<Fidelity>,
+    pub fitted_fidelity: Option<Box<Fidelity>>,
     /// How the model was made.
     pub method: Method,
     /// Name of the material.
@@ -477,7 +477,8 @@ pub fn fit_factored(
         })
     };
     let is_rounded = !record.texels.is_f32();
-    let fitted_fidelity = fits.last().filter(|_| is_rounded).and_then(|fit| fidelity(&fit.model));
+    let fitted_fidelity =
+        fits.last().filter(|_| is_rounded).and_then(|fit| fidelity(&fit.model)).map(Box::new);
     fits.iter_mut().zip(stored).for_each(|(fit, stored)| fit.model = stored);
     let model = &fits[fits.len() - 1].model;
     let albedo = Albedo {

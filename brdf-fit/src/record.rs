@@ -97,7 +97,7 @@ pub struct TermRecord {
     pub held_out: Option<FitErrors>,
     /// The same of the model with its texels as stored; none where those are f32, as they are fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stored: Option<StoredErrors>,
+    pub stored: Option<Box<StoredErrors>>,
 }
 
 impl TermRecord {

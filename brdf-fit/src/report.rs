@@ -148,7 +148,7 @@ impl FactoredFit {
             albedo: self.albedo,
             channels: self.channels,
             fidelity: self.fidelity,
-            fitted_fidelity: self.fitted_fidelity,
+            fitted_fidelity: self.fitted_fidelity.as_deref().copied(),
             solve: SolveReport {
                 solver: fit.solver,
                 unknowns: fit.unknowns,

@@ -128,10 +128,10 @@ impl Training {
         let stored = if settings.texels.is_f32() {
             None
         } else {
-            Some(StoredErrors {
+            Some(Box::new(StoredErrors {
                 training: measure(&self.rows, stored, &self.offsets),
                 held_out: held_out(stored, settings.texels)?,
-            })
+            }))
         };
         Ok(TermRecord {
             textures: fit.model.factors().len(),
