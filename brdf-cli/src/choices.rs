@@ -1,6 +1,6 @@
 //! The choices of `brdf factor` and the library's enums behind them, so that libraries know no clap.
 
-use brdf_factor::{IsotropicPairs, LogTransform, TexelFormat, Weight};
+use brdf_factor::{IsotropicPairs, LogTransform, TexelFormat, Weight, Zeros};
 use brdf_fit::{FixedFactors, Reciprocity, SeparableMap};
 use brdf_param::{Bound, Parametrization, Space};
 use brdf_search::Objective;
@@ -190,6 +190,15 @@ choices! {
         F16 => F16,
         /// A quarter of the bytes: even steps from the smallest to the largest value of each texture and channel
         U8 => U8,
+    }
+}
+
+choices! {
+    pub(crate) enum ZerosArg for Zeros {
+        /// Fitted as any other value
+        Exact => Exact,
+        /// The logarithm may be anything below: values end at 0
+        Below => Below,
     }
 }
 

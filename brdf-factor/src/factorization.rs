@@ -7,8 +7,11 @@ use rayon::prelude::*;
 
 use crate::{
     Columns, Factor, FactorError, FactorParams, FactorSpec, FactoredBrdf, LinearSystem, Problem,
-    Solver, TermSolve,
+    Solution, Solver, TermSolve, Zeros,
 };
+
+/// Times that censored zeros follow the prediction.
+const CENSORED_ROUNDS: usize = 8;
 
 /// A fitted model, with the counts and iterations of its fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +24,8 @@ pub struct Fit {
     pub dropped: Dropped,
     /// Number of samples with a negative channel, a colour outside the gamut, that was set to 0.
     pub clamped: usize,
+    /// Number of values, of all channels, that are 0.
+    pub zeros: usize,
     /// Number of texels that were solved for.
     pub unknowns: usize,
     /// Number of texels that no sample touches; smoothing alone determines them.
@@ -125,10 +130,21 @@ fn solve(
     let system = LinearSystem::new(columns, problem.weights());
     let rest = (!earlier.is_empty()).then(|| rest_of(problem, earlier));
     let targets = rest.as_ref().unwrap_or(problem).targets();
-    let sides: Vec<Vec<f64>> = targets.iter().map(|y| system.right_hand_side(y)).collect();
     let unknowns = system.unknowns();
     let solver = params.solver.unwrap_or_else(|| Solver::for_unknowns(unknowns));
-    let solution = solver.solve(&system, &sides)?;
+    let prepared = solver.prepare(&system)?;
+    let sides: Vec<Vec<f64>> = targets.iter().map(|y| system.right_hand_side(y)).collect();
+    let mut solution = prepared.solve(&sides);
+    if params.zeros == Zeros::Below && problem.zeros() > 0 {
+        for _ in 0..CENSORED_ROUNDS {
+            let lowered = targets.iter().zip(problem.values()).zip(&solution.values);
+            let sides: Vec<Vec<f64>> = lowered
+                .map(|((y, f), x)| system.right_hand_side(&below_zeros(y, f, &system.predict(x))))
+                .collect();
+            let next = prepared.solve(&sides);
+            solution = Solution { iterations: solution.iterations + next.iterations, ..next };
+        }
+    }
 
     for (index, factor) in factors.iter_mut().enumerate() {
         let mut texels = vec![[0.0_f64; 4]; factor.grid().texels()];
@@ -149,6 +165,7 @@ fn solve(
         samples_used: problem.len(),
         dropped: problem.dropped(),
         clamped: problem.clamped(),
+        zeros: problem.zeros(),
         unknowns,
         smoothed_texels: untouched.iter().map(Vec::len).sum(),
         solver,
@@ -160,6 +177,12 @@ fn solve(
             .map(|x| problem.in_given_order(&system.predict(x)))
             .collect(),
     })
+}
+
+/// What is to be fitted where zeros are censored: the prediction, if it is below what a zero is.
+fn below_zeros(targets: &[f64], values: &[f64], predicted: &[f64]) -> Vec<f64> {
+    let nodes = targets.iter().zip(values).zip(predicted);
+    nodes.map(|((&y, &f), &found)| if f <= 0.0 { y.min(found) } else { y }).collect()
 }
 
 /// What is left to explain beside earlier factors.

@@ -70,12 +70,12 @@ pub use isotropic_pairs::IsotropicPairs;
 pub use linear_system::LinearSystem;
 pub use log_transform::{ChannelTransform, LogTransform};
 pub use normal_equations::{CholeskyFactor, NormalEquations};
-pub use params::{FactorParams, Solver, TermSolve, Weight};
+pub use params::{FactorParams, Solver, TermSolve, Weight, Zeros};
 pub use preinverted::{
     Damping, Inverse, Inversion, Plan, Preinverted, PreinvertedWorkspace, SpectralBasis,
 };
 pub use problem::Problem;
-pub use solver::Solution;
+pub use solver::{PreparedSystem, Solution};
 pub use surface::{SurfaceProduct, SurfaceTexture};
 pub use texels::{StoredTexels, TexelFormat};
 pub use validation::{CrossValidation, cross_validate};

@@ -62,6 +62,18 @@ pub enum TermSolve {
     Last(usize),
 }
 
+/// What a value of 0 asks of the logarithm that is fitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Zeros {
+    /// ln a, as for any other value.
+    #[default]
+    Exact,
+    /// ln a or less: values end at 0, so that a model below it is right. Zeros are censored data.
+    Below,
+}
+
 /// The options of a factorization.
 ///
 /// ```
@@ -90,6 +102,8 @@ pub struct FactorParams {
     pub terms: TermSolve,
     /// Whether a model is held at the largest fitted value of each channel.
     pub clamp: bool,
+    /// What values of 0 ask for.
+    pub zeros: Zeros,
     /// Grazing limit in radians, (0, π/2]. Samples beyond it must not be given, and evaluation pulls
     /// directions back to it.
     pub theta_max: f64,
@@ -108,6 +122,7 @@ impl Default for FactorParams {
             weight: Weight::Log,
             terms: TermSolve::All,
             clamp: true,
+            zeros: Zeros::Exact,
             theta_max: 80_f64.to_radians(),
             solver: None,
         }

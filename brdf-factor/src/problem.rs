@@ -208,6 +208,11 @@ impl Problem {
         &self.space(space).points
     }
 
+    /// Returns the number of values, of all channels, that are 0.
+    pub fn zeros(&self) -> usize {
+        self.values().iter().flatten().filter(|value| **value <= 0.0).count()
+    }
+
     /// Returns the largest value of each channel, in sr⁻¹.
     pub fn largest_values(&self) -> Vec<f64> {
         let largest = |values: &Vec<f64>| values.iter().copied().fold(0.0, f64::max);

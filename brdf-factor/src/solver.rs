@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use crate::iterated::Iterated;
-use crate::{FactorError, LinearSystem, NormalEquations, Solver, lsmr, qmr};
+use crate::{CholeskyFactor, FactorError, LinearSystem, NormalEquations, Solver, lsmr, qmr};
 
 /// The solutions of a system, one for each right-hand side, and the iterations that they took.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,18 +16,60 @@ pub struct Solution {
     pub converged: bool,
 }
 
+/// A system made ready for as many right-hand sides as there are.
+#[derive(Debug)]
+pub struct PreparedSystem<'a> {
+    system: &'a LinearSystem,
+    way: Way,
+}
+
+#[derive(Debug)]
+enum Way {
+    Cholesky(CholeskyFactor),
+    Lsmr,
+    Qmr,
+}
+
 impl Solver {
-    /// Returns the solutions of a system, one for each right-hand side.
+    /// Returns the system ready to be solved this way.
     ///
     /// # Errors
     ///
     /// [`FactorError::Singular`] where the normal equations cannot be factored;
     /// [`FactorError::TooManyUnknowns`] for [`Solver::Cholesky`].
+    pub fn prepare(self, system: &LinearSystem) -> Result<PreparedSystem<'_>, FactorError> {
+        let way = match self {
+            Self::Cholesky => {
+                let unknowns = system.unknowns();
+                if unknowns > Self::MAX_DENSE {
+                    return Err(FactorError::TooManyUnknowns { unknowns, max: Self::MAX_DENSE });
+                }
+                let equations = NormalEquations::new(system.columns().to_vec(), system.weights());
+                Way::Cholesky(equations.factorize(Vec::new())?)
+            }
+            Self::Lsmr => Way::Lsmr,
+            Self::Qmr => Way::Qmr,
+        };
+        Ok(PreparedSystem { system, way })
+    }
+
+    /// Returns the solutions of a system, one for each right-hand side.
+    ///
+    /// # Errors
+    ///
+    /// As [`Solver::prepare`].
     pub fn solve(self, system: &LinearSystem, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
-        match self {
-            Self::Cholesky => cholesky(system, sides),
-            Self::Lsmr => Ok(iterate(sides, |side| lsmr::solve(system, side))),
-            Self::Qmr => Ok(iterate(sides, |side| qmr::solve(system, side))),
+        Ok(self.prepare(system)?.solve(sides))
+    }
+}
+
+impl PreparedSystem<'_> {
+    /// Returns the solutions, one for each right-hand side.
+    pub fn solve(&self, sides: &[Vec<f64>]) -> Solution {
+        match &self.way {
+            Way::Cholesky(factor) => cholesky(self.system, factor, sides),
+            Way::Lsmr => iterate(sides, |side| lsmr::solve(self.system, side)),
+            Way::Qmr => iterate(sides, |side| qmr::solve(self.system, side)),
         }
     }
 }
@@ -43,16 +85,10 @@ fn iterate(sides: &[Vec<f64>], mut solve: impl FnMut(&[f64]) -> Iterated) -> Sol
     solution
 }
 
-fn cholesky(system: &LinearSystem, sides: &[Vec<f64>]) -> Result<Solution, FactorError> {
-    let unknowns = system.unknowns();
-    if unknowns > Solver::MAX_DENSE {
-        return Err(FactorError::TooManyUnknowns { unknowns, max: Solver::MAX_DENSE });
-    }
-    let equations = NormalEquations::new(system.columns().to_vec(), system.weights());
-    let factor = equations.factorize(Vec::new())?;
+fn cholesky(system: &LinearSystem, factor: &CholeskyFactor, sides: &[Vec<f64>]) -> Solution {
     let projected: Vec<Vec<f64>> = sides.iter().map(|side| system.apply_transposed(side)).collect();
-    let mut x = Mat::from_fn(unknowns, sides.len(), |row, column| projected[column][row]);
+    let mut x = Mat::from_fn(system.unknowns(), sides.len(), |row, column| projected[column][row]);
     factor.solve_in_place(x.as_mut());
     let values = (0..sides.len()).map(|c| x.col(c).iter().copied().collect()).collect();
-    Ok(Solution { values, iterations: 0, converged: true })
+    Solution { values, iterations: 0, converged: true }
 }

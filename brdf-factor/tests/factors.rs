@@ -12,11 +12,12 @@ mod support;
 use crate::support::{cases, pair};
 use brdf_factor::{
     Angle, Axis, Coordinate, Factor, FactorParams, FactorSpec, FactoredBrdf, IsotropicPairs,
-    LogTransform, Solver, Spacing, StoredTexels, TermSolve, TexelFormat, Weight, factorize,
+    LogTransform, Solver, Spacing, StoredTexels, TermSolve, TexelFormat, Weight, Zeros, factorize,
     factorize_terms,
 };
 use brdf_model::{
-    Brdf, Channels, DirectionBatch, PairSampling, Preset, RgbBatch, SampleSet, log_offsets, measure,
+    Brdf, Channels, DirectionBatch, PairSampling, Preset, Rgb, RgbBatch, SampleSet, log_offsets,
+    measure,
 };
 use brdf_param::{DirectionPair, HalfDifference, Projection, Space, polar_angle};
 use proptest::prelude::*;
@@ -188,6 +189,37 @@ fn a_model_is_never_brighter_than_what_was_fitted() {
     assert!(counted > 0);
     let (single, ..) = brightest(false);
     assert!(single > largest, "{single} of {largest}");
+}
+
+#[test]
+fn zeros_that_a_model_may_be_below_do_not_pull_their_neighbours() {
+    // A channel that a file clips to 0 below some brightness: a cliff in a logarithm.
+    let plastic = samples("lafortune-blue-paint", 4_000, Channels::Luminance);
+    let mut values = plastic.values()[0].clone();
+    values.sort_by(f64::total_cmp);
+    let clip = values[values.len() / 4];
+    let mut clipped = SampleSet::new(Channels::Luminance);
+    for index in 0..plastic.len() {
+        let value = plastic.rgb(index).r;
+        clipped.push_rgb(&plastic.pair(index), Rgb::splat(if value < clip { 0.0 } else { value }));
+    }
+    let errors = |zeros| {
+        let params = FactorParams { zeros, ..small() };
+        let specs = IsotropicPairs::Polar.specs(Spacing::Linear, 900, true);
+        let fit = factorize(&clipped, &specs, &params).unwrap();
+        assert!(fit.zeros > 900, "{} zeros", fit.zeros);
+        let map = fit.model.maps()[0];
+        let mut squares = [0.0_f64; 2];
+        for index in 0..clipped.len() {
+            let (wanted, found) = (clipped.rgb(index).r, fit.model.eval(&clipped.pair(index)).r);
+            let off = map.forward(found) - map.forward(wanted);
+            squares[usize::from(wanted > 0.0)] += off * off;
+        }
+        squares
+    };
+    let (exact, below) = (errors(Zeros::Exact), errors(Zeros::Below));
+    assert!(below[1] < exact[1], "{below:?} against {exact:?}");
+    assert!(below[0] < 0.85 * exact[0], "{below:?} against {exact:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The method that suits a material, by trying those that may.
 
-use brdf_factor::Spacing;
+use brdf_factor::{Spacing, TexelFormat};
 use brdf_job::Job;
 use brdf_model::{ANISOTROPIC, anisotropy};
 use brdf_spline::SPLINE_BYTES;
@@ -159,24 +159,29 @@ fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
         })
     };
     let bytes = bytes.clamp(*SPLINE_BYTES.start(), *SPLINE_BYTES.end());
-    let textures = |method, texture_size, reciprocity| {
+    let textures = |method, texture_size, texels, reciprocity| {
         Candidate::Factored(Box::new(FactoredSettings {
             texture_size,
             theta_max: common.theta_max,
             seed: common.seed,
             channels: common.channels,
             reciprocity,
-            ..FactoredSettings::of(method)
+            ..FactoredSettings::of(method).storing(texels)
         }))
     };
-    // One spacing that suits most: choosing takes time, and splines are better nearly always.
+    // Half precision: twice the texels in the same bytes, and no error of its own. One spacing that suits most: choosing takes time, and splines are better nearly always.
     let spacing = Some(Spacing::Power { exponent: 0.75 });
     let angles = IsotropicSettings { pairs: None, spacing, bytes };
     vec![
         compact(CompactMethod::Spline { bytes }),
         compact(CompactMethod::Ggx { lobes: 1 }),
         compact(CompactMethod::Ggx { lobes: 2 }),
-        textures(FactoredMethod::Isotropic(angles), None, Reciprocity::Auto),
-        textures(FactoredMethod::McCool, Some(mccool_size(bytes)), Reciprocity::On),
+        textures(FactoredMethod::Isotropic(angles), None, TexelFormat::F16, Reciprocity::Auto),
+        textures(
+            FactoredMethod::McCool,
+            Some(mccool_size(bytes)),
+            TexelFormat::F32,
+            Reciprocity::On,
+        ),
     ]
 }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use brdf_factor::{
     Coordinate, FactorError, FactorParams, FactorSpec, FactoredBrdf, Fit, LogTransform,
-    Preinverted, Problem, TermSolve, TexelFormat, Weight, factorize,
+    Preinverted, Problem, TermSolve, TexelFormat, Weight, Zeros, factorize,
 };
 use brdf_job::Job;
 use brdf_model::{
@@ -119,6 +119,8 @@ pub struct FactoredSettings {
     pub reciprocity: Reciprocity,
     /// Whether models are held at the largest fitted value of each channel.
     pub clamp: bool,
+    /// What values of 0 ask for.
+    pub zeros: Zeros,
     /// Direction pairs to draw; scattered rows come as they are.
     pub samples: u32,
     /// Share of the pairs that is drawn around the mirror direction, [0, 1): half vectors within 25° of the normal, denser
@@ -164,6 +166,7 @@ impl FactoredSettings {
             weight: if is_isotropic { Weight::Fidelity } else { Weight::Log },
             reciprocity: Reciprocity::On,
             clamp: true,
+            zeros: if is_isotropic { Zeros::Below } else { Zeros::Exact },
             samples,
             highlight: if is_isotropic { HIGHLIGHT_SHARE } else { 0.0 },
             seed: 1,
@@ -216,6 +219,7 @@ impl FactoredSettings {
                 weight: self.weight,
                 terms: search.map_or(TermSolve::All, SearchSettings::term_solve),
                 clamp: self.clamp,
+                zeros: self.zeros,
                 theta_max: self.theta_max,
                 solver: None,
             },
@@ -515,6 +519,10 @@ pub fn fit_factored(
     fit.notes = notes(&fit, material, found.as_ref());
     if !tried.is_empty() {
         fit.notes.push(FitNote::ChosenAngles { tried, on_rows: material.samples().is_some() });
+    }
+    let zeros = fit.last().zeros;
+    if fit.settings.params.zeros == Zeros::Below && zeros > 0 {
+        fit.notes.push(FitNote::Zeros { values: zeros });
     }
     if is_made_of_angles(fit.last()) {
         fit.notes.extend(crate::compact::taken_isotropic(material));

@@ -1,5 +1,6 @@
 //! The methods at their sizes, and fits by them.
 
+use brdf_factor::TexelFormat;
 use brdf_fit::{
     CompactMethod, CompactSettings, FactorModel, FactorModelSettings, FactoredMethod,
     FactoredSettings, Fit, FitSettings, IsotropicSettings, LogChoice, Material, NetworkSettings,
@@ -100,7 +101,8 @@ pub(crate) fn methods(with_search: bool, with_networks: bool) -> Vec<Method> {
     }
     for (name, bytes) in [("angles 2.7k", 2_700), ("angles 8k", 8_192), ("angles 34k", 34_560)] {
         let angles = IsotropicSettings { bytes, ..IsotropicSettings::default() };
-        let settings = FactoredSettings::of(FactoredMethod::Isotropic(angles));
+        let settings =
+            FactoredSettings::of(FactoredMethod::Isotropic(angles)).storing(TexelFormat::F16);
         add(name, "angles", bytes == 8_192, Way::Fit(FitSettings::Factored(settings)));
     }
     for (name, size) in [("McCool 10²", 10), ("McCool 18²", 18), ("McCool 38²", 38)] {

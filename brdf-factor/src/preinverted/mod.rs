@@ -360,6 +360,7 @@ impl Preinverted {
             samples_used: problem.len(),
             dropped: problem.dropped(),
             clamped: problem.clamped(),
+            zeros: problem.zeros(),
             unknowns: self.unknowns(),
             smoothed_texels: self.untouched_texels().iter().map(Vec::len).sum(),
             solver: Solver::Cholesky,

@@ -26,7 +26,7 @@ use self::separable::SeparableArgs;
 use crate::advice::fit_notes;
 use crate::args::{PairArgs, ReadArgs, not_negative, positive, share};
 use crate::choices::{
-    BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, TexelsArg, WeightArg,
+    BoundArg, LogMapArg, MethodArg, ReciprocityArg, SpaceArg, TexelsArg, WeightArg, ZerosArg,
 };
 use crate::outputs::{FolderArgs, command_line, write_all};
 use crate::progress::Watch;
@@ -124,6 +124,10 @@ pub(super) struct Factor {
     /// Let models be brighter than the largest fitted value
     #[arg(long)]
     no_ceiling: bool,
+
+    /// What values of 0 ask for [default: below for --method isotropic, else exact]
+    #[arg(long, value_enum)]
+    zeros: Option<ZerosArg>,
 
     /// Whether light and viewer share textures, so that exchanging them changes nothing
     #[arg(long, value_enum, default_value_t = ReciprocityArg::On)]
@@ -264,6 +268,7 @@ impl Factor {
             weight: self.weight.map_or(usual.weight, Into::into),
             highlight: self.highlight.unwrap_or(usual.highlight),
             clamp: !self.no_ceiling,
+            zeros: self.zeros.map_or(usual.zeros, Into::into),
             reciprocity: self.reciprocal.into(),
             samples: self.samples.unwrap_or(usual.samples),
             seed: self.seed,

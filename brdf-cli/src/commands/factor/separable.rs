@@ -142,6 +142,7 @@ impl Factor {
             (self.weight.is_some(), "--weight"),
             (self.highlight.is_some(), "--highlight"),
             (self.no_ceiling, "--no-ceiling"),
+            (self.zeros.is_some(), "--zeros"),
             (self.reciprocal != ReciprocityArg::On, "--reciprocal"),
             (self.replicate.is_some(), "--replicate"),
         ])
