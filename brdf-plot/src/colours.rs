@@ -19,13 +19,15 @@ pub(crate) const TEST_FUNCTIONS: [(TestFunction, [u8; 3]); 3] = [
 ];
 
 /// Colours of series in order, from dark to light and back, so that neighbours differ in lightness.
-const SERIES: [RGBColor; 6] = [
+const SERIES: [RGBColor; 8] = [
     RGBColor(30, 58, 138),
     RGBColor(234, 88, 12),
     RGBColor(6, 95, 70),
     RGBColor(217, 70, 239),
     RGBColor(0, 0, 0),
     RGBColor(101, 163, 13),
+    RGBColor(159, 18, 57),
+    RGBColor(14, 165, 233),
 ];
 
 pub(crate) fn series(index: usize) -> RGBColor {

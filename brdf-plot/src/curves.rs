@@ -206,13 +206,15 @@ fn legend_rows(series: usize) -> f64 {
 
 /// A shape of its own for each series, since colours alone are lost in greyscale.
 pub(crate) fn marker(index: usize, colour: RGBColor) -> PathElement<(i32, i32)> {
-    let outline: &[(i32, i32)] = match index % 6 {
+    let outline: &[(i32, i32)] = match index % 8 {
         0 => &[(-3, -3), (3, -3), (3, 3), (-3, 3), (-3, -3)],
         1 => &[(0, -4), (4, 3), (-4, 3), (0, -4)],
         2 => &[(-3, -3), (3, 3), (0, 0), (3, -3), (-3, 3)],
         3 => &[(0, -4), (4, 0), (0, 4), (-4, 0), (0, -4)],
         4 => &[(-4, 0), (4, 0), (0, 0), (0, -4), (0, 4)],
-        _ => &[(0, 4), (4, -3), (-4, -3), (0, 4)],
+        5 => &[(0, 4), (4, -3), (-4, -3), (0, 4)],
+        6 => &[(-3, -4), (3, -4), (-3, 4), (3, 4), (-3, -4)],
+        _ => &[(-2, -4), (2, -4), (4, -2), (4, 2), (2, 4), (-2, 4), (-4, 2), (-4, -2), (-2, -4)],
     };
     PathElement::new(outline.to_vec(), colour.stroke_width(2))
 }

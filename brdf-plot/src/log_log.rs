@@ -11,15 +11,18 @@ use crate::error::{PlotError, drawing};
 use crate::plot::{Plot, on_sheet};
 
 const PANEL: (u32, u32) = (460, 340);
-/// Room at both ends of an axis, as a factor, and more of it at the lower end of y, for the legend.
+/// Room at both ends of an axis, as a factor.
 const MARGIN: f64 = 1.25;
-const BELOW: f64 = 1.6;
+/// A line of the legend, the sample of a curve with the gaps around it, and a letter, in pixels.
+const LEGEND_LINE: u32 = 22;
+const SAMPLE: u32 = 52;
+const LETTER: u32 = 7;
 
 /// Plots panels of curves, `columns` side by side, with both axes divided by factors of ten; points that are not
 /// positive are left out, and `y_scale` is not looked at.
 ///
-/// All panels have the same axes and, for what it matters to the legend, the same series. It stands in the lower left
-/// corner of the first one, which curves of errors against costs leave free.
+/// All panels have the same axes and, for what it matters to the legend, the same series as the first. It stands below
+/// them.
 ///
 /// ```
 /// use brdf_plot::{Curves, Series, plot_log_log};
@@ -38,19 +41,68 @@ pub fn plot_log_log(panels: &[Curves], columns: usize) -> Result<Plot, PlotError
     let rows = panels.len().div_ceil(columns);
     let wide = |count: usize, side: u32| u32::try_from(count).unwrap_or(1) * side;
     let size = (wide(columns, PANEL.0), wide(rows, PANEL.1));
+    let legend = legend(panels.first().map_or(&[], |panel| &panel.series), size.0);
+    let below = wide(legend.len(), LEGEND_LINE);
     let points = || panels.iter().flat_map(|panel| &panel.series).flat_map(shown);
     let ranges = range(points().map(|p| p.0)).zip(range(points().map(|p| p.1)));
-    let Some((across, mut along)) = ranges else {
+    let Some((across, along)) = ranges else {
         return Err(PlotError::Nothing { what: "no point can be shown" });
     };
-    along.start /= BELOW;
-    on_sheet(size, |sheet, _| {
-        let areas = sheet.split_evenly((rows, columns));
-        panels.iter().zip(&areas).enumerate().try_for_each(|(index, (panel, area))| {
-            let legend = if index == 0 { Legend::Shown } else { Legend::LeftOut };
-            draw(panel, area, across.clone(), along.clone(), legend)
-        })
+    on_sheet((size.0, size.1 + below), |sheet, _| {
+        let (above, below) = sheet.split_vertically(size.1);
+        let areas = above.split_evenly((rows, columns));
+        for (panel, area) in panels.iter().zip(&areas) {
+            draw(panel, area, across.clone(), along.clone())?;
+        }
+        draw_legend(&legend, &below)
     })
+}
+
+/// The labels of series with their numbers, in lines that a width has room for; none of a single series.
+fn legend(series: &[crate::Series], width: u32) -> Vec<Vec<(usize, &str)>> {
+    let mut lines: Vec<Vec<(usize, &str)>> = Vec::new();
+    if series.len() < 2 {
+        return lines;
+    }
+    let mut used = width;
+    for (index, series) in series.iter().enumerate() {
+        let wanted = entry_width(&series.label);
+        if used + wanted > width.saturating_sub(30) {
+            lines.push(Vec::new());
+            used = 0;
+        }
+        used += wanted;
+        if let Some(line) = lines.last_mut() {
+            line.push((index, &series.label));
+        }
+    }
+    lines
+}
+
+fn entry_width(label: &str) -> u32 {
+    SAMPLE + LETTER * u32::try_from(label.chars().count()).unwrap_or(0)
+}
+
+fn draw_legend(
+    lines: &[Vec<(usize, &str)>],
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+) -> Result<(), PlotError> {
+    let style = ("sans-serif", 12).into_font().color(&INK);
+    let mut y = 6;
+    for line in lines {
+        let mut x = 30;
+        for &(index, label) in line {
+            let colour = series(index);
+            let sample = EmptyElement::at((x, y))
+                + PathElement::new(vec![(-9, 0), (9, 0)], colour.stroke_width(2))
+                + marker(index, colour)
+                + Text::new(label.to_owned(), (16, -6), style.clone());
+            area.draw(&sample).map_err(|e| drawing(&e))?;
+            x += entry_width(label).cast_signed();
+        }
+        y += LEGEND_LINE.cast_signed();
+    }
+    Ok(())
 }
 
 /// Points of a series that have a place.
@@ -64,18 +116,11 @@ fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     (high > 0.0).then(|| low / MARGIN..high * MARGIN)
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Legend {
-    Shown,
-    LeftOut,
-}
-
 fn draw(
     panel: &Curves,
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     across: Range<f64>,
     along: Range<f64>,
-    legend: Legend,
 ) -> Result<(), PlotError> {
     let mut chart = ChartBuilder::on(area)
         .margin(10)
@@ -101,25 +146,9 @@ fn draw(
         let colour = series(index);
         chart
             .draw_series(LineSeries::new(shown(of), colour.stroke_width(2)))
-            .map_err(|e| drawing(&e))?
-            .label(&of.label)
-            .legend(move |(x, y)| {
-                EmptyElement::at((x + 9, y))
-                    + PathElement::new(vec![(-9, 0), (9, 0)], colour.stroke_width(2))
-                    + marker(index, colour)
-            });
+            .map_err(|e| drawing(&e))?;
         chart
             .draw_series(shown(of).map(|at| EmptyElement::at(at) + marker(index, colour)))
-            .map_err(|e| drawing(&e))?;
-    }
-    if legend == Legend::Shown && panel.series.len() > 1 {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerLeft)
-            .background_style(WHITE.mix(0.85))
-            .border_style(FAINT)
-            .label_font(("sans-serif", 12).into_font().color(&INK))
-            .draw()
             .map_err(|e| drawing(&e))?;
     }
     Ok(())

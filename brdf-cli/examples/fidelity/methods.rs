@@ -122,8 +122,14 @@ pub(crate) fn methods(with_search: bool, with_networks: bool) -> Vec<Method> {
         add(name, "log-SVD", resolution == 16, way);
     }
     if with_search {
-        let search = FactoredSettings::of(FactoredMethod::Search(SearchSettings::default()));
-        add("search 5 × 24²", "search", false, Way::Fit(FitSettings::Factored(search)));
+        let searches =
+            [("search 3 × 8²", 3, 8), ("search 4 × 13²", 4, 13), ("search 5 × 24²", 5, 24)];
+        for (name, terms, size) in searches {
+            let search = SearchSettings { terms, ..SearchSettings::default() };
+            let search = FactoredSettings::of(FactoredMethod::Search(search));
+            let settings = FactoredSettings { texture_size: Some(size), ..search };
+            add(name, "search", size == 13, Way::Fit(FitSettings::Factored(settings)));
+        }
     }
     methods
 }
