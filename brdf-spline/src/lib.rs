@@ -2,8 +2,9 @@
 //!
 //! A model is ln(a + f) ≈ Σ_k g_k(θh) Σ_jm C_kjm B_j(θd) sinᵐθd cos mφd. The splines g_k have their knots where
 //! highlights are, evenly in asinh(θh/α). [`fit_splines`] fits a material that can be evaluated,
-//! [`fit_spline_samples`] scattered samples, both in as many bytes as they are given. What comes out is a
-//! [`SplineBrdf`]: a stream of bytes, and a [`Brdf`](brdf_model::Brdf) that is read from two tables.
+//! [`fit_spline_samples`] scattered samples, both in as many bytes as they are given; a [`Prior`] says what to expect
+//! where no sample is. What comes out is a [`SplineBrdf`]: a stream of bytes, and a [`Brdf`](brdf_model::Brdf) that is
+//! read from two tables.
 //!
 //! Fits are alternating least squares: g is solved for, then C, and again. Weights make the errors of
 //! [`Fidelity`](brdf_model::Fidelity) fall together. Where a value is 0 the model may be anything below. Coefficients are
