@@ -169,7 +169,8 @@ fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
             ..FactoredSettings::of(method).storing(texels)
         }))
     };
-    // Half precision: twice the texels in the same bytes, and no error of its own. One spacing that suits most: choosing takes time, and splines are better nearly always.
+    // Half precision: twice the texels in the same bytes, and no error of its own. One spacing that suits most: choosing
+    // takes time, and splines are better nearly always.
     let spacing = Some(Spacing::Power { exponent: 0.75 });
     let angles = IsotropicSettings { pairs: None, spacing, bytes };
     vec![
