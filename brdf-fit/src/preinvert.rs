@@ -1,6 +1,6 @@
 //! Matrices that are inverted once and used for other values at the same places.
 
-use brdf_factor::{Inverse, Inversion, Plan, Preinverted, Problem, TexelFormat};
+use brdf_factor::{Inverse, Inversion, Plan, Preinverted, Problem, TexelFormat, Zeros};
 use brdf_job::Job;
 
 use crate::basis::Basis;
@@ -15,7 +15,8 @@ use crate::training::Training;
 ///
 /// # Errors
 ///
-/// [`FitError::Setting`] for a method whose factors are not fixed; [`FitError::Factor`]; [`FitError::Stopped`].
+/// [`FitError::Setting`] for a method whose factors are not fixed, and for [`Zeros::Below`], which follows the prediction;
+/// [`FitError::Factor`]; [`FitError::Stopped`].
 pub fn preinvert(
     material: &Material<'_>,
     settings: &FactoredSettings,
@@ -30,6 +31,13 @@ pub fn preinvert(
             expected: "mccool or radial, whose factors are fixed",
         });
     };
+    if settings.zeros == Zeros::Below {
+        return Err(FitError::Setting {
+            setting: "zeros",
+            value: "below",
+            expected: "exact: two solves give the texels, and none follows the prediction",
+        });
+    }
     job.begin("inverting", 1);
     job.check()?;
     let channels = settings.channels.unwrap_or(material.channels());

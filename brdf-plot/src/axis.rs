@@ -4,6 +4,11 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use crate::colours::INK;
+use crate::curves::short;
+use crate::error::{PlotError, drawing};
 
 /// An axis with labels at chosen places.
 pub(crate) struct Ticked {
@@ -43,6 +48,27 @@ impl Ranged for Ticked {
     fn range(&self) -> Range<f64> {
         self.line.range()
     }
+}
+
+/// Draws two axes with their labels and names, without a mesh.
+pub(crate) fn draw_axes(
+    chart: &mut ChartContext<'_, SVGBackend<'_>, Cartesian2d<Ticked, Ticked>>,
+    x: &str,
+    y: &str,
+) -> Result<(), PlotError> {
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .axis_style(INK)
+        .label_style(("sans-serif", 11).into_font().color(&INK))
+        .x_labels(4)
+        .y_labels(4)
+        .x_label_formatter(&|x| short(*x))
+        .y_label_formatter(&|y| short(*y))
+        .x_desc(x)
+        .y_desc(y)
+        .draw()
+        .map_err(|e| drawing(&e))
 }
 
 /// The most labels on an axis.

@@ -3,7 +3,7 @@
 use contour::ContourBuilder;
 use plotters::prelude::*;
 
-use crate::axis::Ticked;
+use crate::axis::{Ticked, draw_axes};
 use crate::colours::{INK, NO_DATA, heat};
 use crate::curves::short;
 use crate::error::{PlotError, drawing};
@@ -203,19 +203,7 @@ impl Heat {
                 chart.draw_series(LineSeries::new(line, style)).map_err(|e| drawing(&e))?;
             }
         }
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .axis_style(INK)
-            .label_style(("sans-serif", 11).into_font().color(&INK))
-            .x_labels(4)
-            .y_labels(4)
-            .x_label_formatter(&|x| short(*x))
-            .y_label_formatter(&|y| short(*y))
-            .x_desc(&self.x)
-            .y_desc(&self.y)
-            .draw()
-            .map_err(|e| drawing(&e))
+        draw_axes(&mut chart, &self.x, &self.y)
     }
 }
 

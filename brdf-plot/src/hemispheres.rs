@@ -9,9 +9,8 @@ use brdf_study::{Centre, Slice, radial_shares};
 use glam::DVec3;
 use plotters::prelude::*;
 
-use crate::axis::Ticked;
+use crate::axis::{Ticked, draw_axes};
 use crate::colours::{INK, NO_DATA, TEST_FUNCTIONS};
-use crate::curves::short;
 use crate::error::{PlotError, drawing};
 use crate::heat::{Contours, Field, HeatScale, draw_bar};
 use crate::plot::{Bitmap, Plot, Sheet, on_sheet};
@@ -427,26 +426,15 @@ fn draw_code(
     let title = Text::new(parametrization.name(), (left, top + 2), style);
     sheet.draw(&title).map_err(|e| drawing(&e))?;
     let size = (CODE.unsigned_abs(), (TITLE + CODE_SIDE + under).unsigned_abs());
-    ChartBuilder::on(&sheet.clone().shrink((0, top), size))
+    let mut chart = ChartBuilder::on(&sheet.clone().shrink((0, top), size))
         .margin_top(TITLE)
         .margin_left(4)
         .margin_right(right)
         .x_label_area_size(under)
         .y_label_area_size(left - 4)
         .build_cartesian_2d(Ticked::up_to(extent), Ticked::up_to(extent))
-        .map_err(|e| drawing(&e))?
-        .configure_mesh()
-        .disable_mesh()
-        .axis_style(INK)
-        .label_style(("sans-serif", 11).into_font().color(&INK))
-        .x_labels(4)
-        .y_labels(4)
-        .x_label_formatter(&|x| short(*x))
-        .y_label_formatter(&|y| short(*y))
-        .x_desc(x)
-        .y_desc(y)
-        .draw()
-        .map_err(|e| drawing(&e))
+        .map_err(|e| drawing(&e))?;
+    draw_axes(&mut chart, x, y)
 }
 
 #[cfg(test)]

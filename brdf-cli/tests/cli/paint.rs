@@ -252,6 +252,10 @@ fn an_inverted_matrix_serves_materials_at_the_same_places() {
     assert!(coarse > a, "60 components of more: {coarse} and {a}");
 
     fail(folder, &["factor", "--preinvert", "x.safetensors"], 2);
+    let below = [&plain[..], &["--preinvert", "x.safetensors", "--zeros", "below"]].concat();
+    let below = fail(folder, &below, 1);
+    assert!(below.contains("expected exact"), "{below}");
+    fail(folder, &["factor", "--with", "basis.safetensors", "--zeros", "below"], 2);
     fail(folder, &["factor", "--with", "basis.safetensors", "--samples", "4"], 2);
     fs::write(
         folder.join("rows.csv"),

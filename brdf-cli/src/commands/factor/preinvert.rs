@@ -26,7 +26,7 @@ pub(super) struct PreinvertArgs {
     damping: Option<DampingArg>,
 
     /// Solve with a matrix that --preinvert wrote, for samples at the same places; its options hold
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["preinvert", "method", "texture_size", "smoothing", "samples", "seed", "replicate", "bound", "log_map", "weight", "reciprocal", "projections", "space"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["preinvert", "method", "texture_size", "smoothing", "samples", "seed", "replicate", "bound", "log_map", "weight", "zeros", "reciprocal", "projections", "space"])]
     with: Option<PathBuf>,
 }
 
