@@ -350,8 +350,8 @@ class Splines:
 
     def __init__(self, stream):
         kind, self.terms, self.half_count, self.difference_count, self.order = stream[:5]
-        if kind >> 3 != 1:
-            raise ValueError(f"a stream of version {kind >> 3}, not 1")
+        if kind >> 6 != 1:
+            raise ValueError(f"a stream of version {kind >> 6}, not 1")
         self.symmetry = SYMMETRIES[kind & 3]
         self.channels = 3 if kind & 4 else 1
         self.period = {"none": 2 * np.pi, "both": np.pi / 2}.get(self.symmetry, np.pi)
@@ -359,10 +359,27 @@ class Splines:
         numbers = np.frombuffer(stream[5:rest], "<f4").astype(float)
         self.alpha, self.half_step, self.difference_step = numbers[:3]
         self.offset, self.least, self.most = numbers[3:].reshape(-1, 3).T
+        lobes = kind >> 3 & 7
+        length = 2 * self.channels + lobes * (self.channels + 2) if lobes else 0
+        self.base = self.read_base(np.frombuffer(stream[rest : rest + 4 * length], "<f4").astype(float))
+        rest += 4 * length
         self.exponents = np.frombuffer(stream[rest : rest + self.terms], np.int8).astype(float)
         self.harmonics = harmonics(self.symmetry, self.order)
         self.read_coefficients(Integers(stream[rest + self.terms :]))
         self.make_tables()
+
+    def read_base(self, numbers):
+        """Lobes as a record has them; of one channel, in all three."""
+        if not len(numbers):
+            return None
+        n = self.channels
+        colour = lambda values: dict(zip("rgb", np.broadcast_to(values, 3)))
+        lobe = lambda values: {"f0": colour(values[:n]), "f90": values[n], "alpha": values[n + 1]}
+        return {
+            "diffuse": colour(numbers[:n]),
+            "sheen": colour(numbers[n : 2 * n]),
+            "lobes": [lobe(values) for values in numbers[2 * n :].reshape(-1, n + 2)],
+        }
 
     def read_coefficients(self, integers):
         """half [term, spline], difference [term, spline, harmonic, channel]."""
@@ -430,7 +447,10 @@ class Splines:
         mean = (1 - v) * self.difference_table[i, columns] + v * self.difference_table[next_i, columns]
         known = np.minimum(theta_h / 1e-5, 1)[:, None, None]
         y = np.einsum("nk,nkc->nc", g, known * value + (1 - known) * mean)
-        return np.clip(np.exp(y) - self.offset, self.least, self.most)
+        factor = 1
+        if self.base:
+            factor = self.offset + ggx_lobes(self.base, wi, wo)[:, : self.channels]
+        return np.clip(factor * np.exp(y) - self.offset, self.least, self.most)
 
     def fold(self, phi):
         """phi_d in (-pi, pi], brought to the range from 0 to the period."""

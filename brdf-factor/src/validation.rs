@@ -1,6 +1,6 @@
 //! Cross-validation: held-out errors of measured rows, where no more data can be drawn.
 
-use brdf_model::{FitErrors, SampleSet, log_offsets, measure};
+use brdf_model::{Brdf, FitErrors, Rgb, SampleSet, log_offsets, measure_folds};
 use rayon::prelude::*;
 
 use crate::{
@@ -41,7 +41,7 @@ pub fn cross_validate(
     if parts.iter().any(Vec::is_empty) {
         return Ok(None);
     }
-    let errors: Result<Vec<(FitErrors, usize)>, FactorError> = parts
+    let values: Result<Vec<Vec<Rgb>>, FactorError> = parts
         .par_iter()
         .map(|held_out| {
             let rest: Vec<usize> =
@@ -52,12 +52,11 @@ pub fn cross_validate(
                 TermSolve::All => factorize(&training, specs, params)?,
                 TermSolve::Last(_) => last_term(&training, specs, params)?,
             };
-            let unseen = samples.select(held_out);
             let model = fit.model.stored_as(validation.format)?;
-            Ok((measure(&unseen, &model, &log_offsets(&training)), unseen.len()))
+            Ok(held_out.iter().map(|&index| model.eval_unclamped(&samples.pair(index))).collect())
         })
         .collect();
-    errors.map(|parts| Some(FitErrors::pooled(&parts)))
+    Ok(Some(measure_folds(samples, &parts, &values?, &log_offsets(samples))))
 }
 
 /// The model with all terms, each added to the ones before as [`TermSolve::Last`] says.

@@ -11,7 +11,7 @@ use crate::error::FitError;
 use crate::factored::{FactoredMethod, FactoredSettings, Reciprocity, fit_factored, mccool_size};
 use crate::fitted::Fit;
 use crate::isotropic::IsotropicSettings;
-use crate::judge::{Judge, row_error};
+use crate::judge::Judge;
 use crate::material::Material;
 use crate::note::FitNote;
 use crate::record::TriedModel;
@@ -25,7 +25,7 @@ pub enum Aim {
     /// The best model of at most so many bytes.
     Bytes(usize),
     /// The smallest model whose error is at most this: [`Fidelity::score`](brdf_model::Fidelity::score), or for scattered
-    /// samples the geometric mean of log and linear error over folds.
+    /// samples [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over folds.
     Error(f64),
 }
 
@@ -49,8 +49,8 @@ pub struct AutoSettings {
 /// An isotropic material gets splines, one or two GGX lobes, textures over pairs of angles or McCool's: whichever has
 /// the lowest
 /// [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs, which are neither fitted nor held out. Scattered
-/// samples are judged by the geometric mean of log and linear error (root mean squares) over ten folds. An anisotropic material is searched for projections,
-/// since the others would lose what turns with it.
+/// samples are judged by [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over ten folds. An anisotropic
+/// material is searched for projections, since the others would lose what turns with it.
 ///
 /// # Errors
 ///
@@ -84,7 +84,7 @@ pub fn fit_auto(
             Some(judge) => judge.error(found.brdf()),
             None => {
                 let errors = found.held_out().or_else(|| found.training());
-                errors.map_or(f64::INFINITY, row_error)
+                errors.map_or(f64::INFINITY, |errors| errors.fidelity.score())
             }
         };
         let found: Vec<Result<(f64, Fit), FitError>> = step

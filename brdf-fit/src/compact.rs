@@ -1,12 +1,12 @@
 //! Compact models of isotropic materials: all that there is to store is one short stream or a handful of numbers.
 
-use std::sync::OnceLock;
 use std::time::Instant;
 
-use brdf_job::{Job, Stopped};
+use brdf_job::Job;
 use brdf_model::{
     ANISOTROPIC, Brdf, Channels, Dropped, Fidelity, FidelityPairs, FitErrors, GgxLobes,
-    PairSampling, SampleSet, ScrambledSobol, anisotropy, largest_albedo, log_offsets, measure,
+    PairSampling, Rgb, SampleSet, ScrambledSobol, anisotropy, largest_albedo, log_offsets, measure,
+    measure_folds,
 };
 use brdf_spline::{
     SplineBrdf, SplineSettings, SplineTrial, Symmetry, fit_spline_samples, fit_splines,
@@ -26,9 +26,6 @@ use crate::training::{FOLDS, drawn};
 const LOBE_PAIRS: u32 = 1500;
 /// Rows of scattered samples that lobes are fitted to at most.
 const LOBE_ROWS: usize = 6000;
-
-/// Lobes that complete scattered rows.
-const PRIOR_LOBES: usize = 2;
 
 /// Which compact model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,6 +165,9 @@ pub enum Makeup {
         offsets: Vec<f64>,
         /// Smallest and largest value of each channel, sr⁻¹.
         ranges: Vec<[f64; 2]>,
+        /// Lobes that the products change; none where the products are the model.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        base: Option<GgxLobes>,
     },
     /// GGX lobes on a diffuse base.
     Lobes(GgxLobes),
@@ -205,11 +205,11 @@ pub struct CompactFit {
 struct Fitted {
     model: CompactBrdf,
     samples: usize,
+    /// Of splines.
+    chosen: Option<SplineTrial>,
     trials: Vec<SplineTrial>,
     zeros: usize,
     not_finite: usize,
-    /// Lobes that complete scattered rows under splines.
-    prior: Option<GgxLobes>,
 }
 
 /// What there is to say of an isotropic model of a material that is not.
@@ -320,6 +320,7 @@ fn makeup(model: &CompactBrdf) -> Makeup {
             alpha: model.alpha(),
             offsets: model.offsets(),
             ranges: model.ranges(),
+            base: model.base().cloned(),
         },
         CompactBrdf::Ggx(model) => Makeup::Lobes(model.clone()),
     }
@@ -365,29 +366,16 @@ fn fit_rows(
     match settings.method {
         CompactMethod::Spline { bytes } => {
             let channels = rows.channels();
-            let least = |a: &&SplineTrial, b: &&SplineTrial| a.score.total_cmp(&b.score);
-            let axis = earlier.and_then(|fit| fit.trials.iter().min_by(least).copied());
+            let axis = earlier.and_then(|fit| fit.chosen);
             let seed = settings.seed;
             let spline =
                 SplineSettings { bytes, channels, seed, axis, ..SplineSettings::default() };
-            // Where lobes start: at the first that were found.
-            let start = earlier
-                .and_then(|fit| fit.prior.clone())
-                .map_or_else(OnceLock::new, OnceLock::from);
-            let prior = |rows: &SampleSet| -> Result<Box<dyn Brdf>, Stopped> {
+            let base = |rows: &SampleSet, lobes: usize| {
                 let few = rows.subset(LOBE_ROWS);
-                let problem = LobeProblem::new(&few, &SampleSet::new(rows.channels()));
-                let found = match start.get() {
-                    Some(start) => problem.solve_near(start, job),
-                    None => {
-                        let first = problem.solve(PRIOR_LOBES, job)?;
-                        start.get_or_init(|| first).clone()
-                    }
-                };
-                Ok(Box::new(found))
+                let nothing = SampleSet::new(rows.channels());
+                LobeProblem::new(&few, &nothing).solve(lobes, &Job::new())
             };
-            let fit = fit_spline_samples(rows, Some(&prior), &spline, job)?;
-            Ok(Fitted { prior: start.into_inner(), ..splines(fit) })
+            Ok(splines(fit_spline_samples(rows, Some(&base), &spline, job)?))
         }
         CompactMethod::Ggx { lobes } => {
             let few = rows.subset(LOBE_ROWS);
@@ -406,16 +394,16 @@ fn splines(fit: brdf_spline::SplineFit) -> Fitted {
     Fitted {
         model: CompactBrdf::Spline(fit.model),
         samples: fit.nodes,
+        chosen: Some(fit.chosen),
         trials: fit.trials,
         zeros: fit.zeros,
         not_finite: fit.not_finite,
-        prior: None,
     }
 }
 
 fn lobes_of(model: GgxLobes, samples: usize) -> Fitted {
     let model = CompactBrdf::Ggx(model);
-    Fitted { model, samples, trials: Vec::new(), zeros: 0, not_finite: 0, prior: None }
+    Fitted { model, samples, chosen: None, trials: Vec::new(), zeros: 0, not_finite: 0 }
 }
 
 /// Errors of rows under models that were fitted without their fold. Axes of splines, and where lobes start, are those of
@@ -429,17 +417,16 @@ fn over_folds(
     if rows.len() < 2 * FOLDS {
         return Ok(None);
     }
-    let offsets = log_offsets(rows);
     let of_fold = |fold: &Vec<usize>| {
         job.check()?;
         let kept: Vec<usize> =
             (0..rows.len()).filter(|index| fold.binary_search(index).is_err()).collect();
         let fitted = fit_rows(&rows.select(&kept), settings, Some(whole), &Job::new())?;
         job.advance(1);
-        Ok((measure(&rows.select(fold), fitted.model.brdf(), &offsets), fold.len()))
+        let model = fitted.model.brdf();
+        Ok(fold.iter().map(|&index| model.eval_unclamped(&rows.pair(index))).collect())
     };
     let folds = rows.folds(FOLDS, settings.seed);
-    let parts: Vec<(FitErrors, usize)> =
-        folds.par_iter().map(of_fold).collect::<Result<_, FitError>>()?;
-    Ok(Some(FitErrors::pooled(&parts)))
+    let values: Vec<Vec<Rgb>> = folds.par_iter().map(of_fold).collect::<Result<_, FitError>>()?;
+    Ok(Some(measure_folds(rows, &folds, &values, &log_offsets(rows))))
 }

@@ -44,7 +44,7 @@ pub struct TriedPairs {
     /// Whether light and viewer share textures.
     pub reciprocal: bool,
     /// What choices are made by: [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs, or for scattered
-    /// rows the geometric mean of log and linear error over a tenth set aside.
+    /// rows [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over a tenth set aside.
     pub error: f64,
 }
 

@@ -1,8 +1,8 @@
 //! What choices between models are made by.
 
 use brdf_model::{
-    Brdf, Channels, FidelityPairs, FidelityReference, FitErrors, SampleSet, ScrambledSobol,
-    log_offsets, measure,
+    Brdf, Channels, FidelityPairs, FidelityReference, SampleSet, ScrambledSobol, log_offsets,
+    measure,
 };
 
 use crate::material::Material;
@@ -30,13 +30,8 @@ impl Judge {
     }
 }
 
-/// What models of scattered rows are compared by: the geometric mean of log and linear error, root mean squares.
-/// Relative to each other, linear ones need no unit.
-pub(crate) fn row_error(errors: &FitErrors) -> f64 {
-    (errors.log.mean_square * errors.linear.mean_square).powf(0.25)
-}
-
-/// [`row_error`] of a model over rows that it was not fitted to.
+/// What models of scattered rows are compared by, over rows that they were not fitted to:
+/// [`brdf_model::FidelityErrors::score`].
 pub(crate) fn error_on(unseen: &SampleSet, fitted: &SampleSet, model: &dyn Brdf) -> f64 {
-    row_error(&measure(unseen, model, &log_offsets(fitted)))
+    measure(unseen, model, &log_offsets(fitted)).fidelity.score()
 }

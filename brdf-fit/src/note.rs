@@ -107,7 +107,7 @@ pub enum FitNote {
     ChosenMethod {
         /// All that were tried, in order.
         tried: Vec<TriedModel>,
-        /// Whether by the geometric mean of log and linear error over folds of rows, in place of
+        /// Whether by [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over folds of rows, in place of
         /// [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs.
         on_rows: bool,
     },

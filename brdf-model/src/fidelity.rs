@@ -54,9 +54,7 @@ pub struct Fidelity {
 impl Fidelity {
     /// Returns the geometric mean J of the eight errors.
     pub fn score(&self) -> f64 {
-        let errors = [self.uniform, self.highlight].map(|e| e.all());
-        let product: f64 = errors.as_flattened().iter().product();
-        product.powf(1.0 / 8.0)
+        (self.uniform.score() * self.highlight.score()).sqrt()
     }
 }
 
@@ -102,6 +100,11 @@ impl FidelityErrors {
     /// Returns the four errors, in the order of the fields.
     pub fn all(&self) -> [f64; 4] {
         [self.log_cosine, self.cube_root, self.cosine_relative, self.log]
+    }
+
+    /// Returns the geometric mean of the four errors.
+    pub fn score(&self) -> f64 {
+        self.all().iter().product::<f64>().powf(0.25)
     }
 
     /// Returns the errors of values beside reference values at the same pairs; 0 without pairs.

@@ -78,7 +78,7 @@ pub use luminance::Luminance;
 pub use merl::{MerlLookup, MerlNodes, MerlTable};
 pub use metrics::{
     COSINE_RMS_PAIRS, CosineRms, ErrorMeasures, FitErrors, cosine_rms, cosine_rms_pairs,
-    log_offsets, measure,
+    log_offsets, measure, measure_folds,
 };
 pub use nbrdf::{Nbrdf, NbrdfDomain};
 pub use perceptual::{PerceptualErrors, perceptual_errors};

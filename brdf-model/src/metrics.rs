@@ -10,7 +10,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-use crate::{Brdf, Rgb, SampleSet, uniform_hemisphere};
+use crate::{Brdf, FidelityErrors, Rgb, SampleSet, uniform_hemisphere};
 
 /// The mean absolute, mean square and largest absolute residual of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ pub struct ErrorMeasures {
     pub max: f64,
 }
 
-/// The errors of a fit: the six measures of Cole 2002.
+/// The errors of a fit: the six measures of Cole 2002, and those that follow the eye.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitErrors {
@@ -32,31 +32,11 @@ pub struct FitErrors {
     pub log: ErrorMeasures,
     /// Measures of linear residuals, sr⁻¹ (mean square: sr⁻²).
     pub linear: ErrorMeasures,
+    /// The four errors of which a [`Fidelity`](crate::Fidelity) has two sets.
+    pub fidelity: FidelityErrors,
     /// Number of log residuals for which a + f̂ was not positive, so that f̂ = 0 was used instead.
     #[serde(default)]
     pub without_logarithm: usize,
-}
-
-impl FitErrors {
-    /// Returns the mean of several sets of errors, each weighted by its number of samples.
-    ///
-    /// Of maxima the largest is taken, and counts are added.
-    pub fn pooled(parts: &[(Self, usize)]) -> Self {
-        let total: usize = parts.iter().map(|(_, count)| count).sum();
-        let pool = |pick: fn(&Self) -> ErrorMeasures| {
-            parts.iter().fold(ErrorMeasures::default(), |sum, (errors, count)| {
-                let share = *count as f64 / total.max(1) as f64;
-                let part = pick(errors);
-                ErrorMeasures {
-                    mean_abs: sum.mean_abs + share * part.mean_abs,
-                    mean_square: sum.mean_square + share * part.mean_square,
-                    max: sum.max.max(part.max),
-                }
-            })
-        };
-        let without_logarithm = parts.iter().map(|(errors, _)| errors.without_logarithm).sum();
-        Self { log: pool(|e| e.log), linear: pool(|e| e.linear), without_logarithm }
-    }
 }
 
 /// Returns the offset a of the log residual for each channel: 1e-5 of its mean.
@@ -83,9 +63,32 @@ pub fn log_offsets(samples: &SampleSet) -> Vec<f64> {
 /// assert!(measure(&samples, &other, &offsets).log.mean_square > 0.01);
 /// ```
 pub fn measure(samples: &SampleSet, model: &dyn Brdf, offsets: &[f64]) -> FitErrors {
+    let predicted: Vec<Rgb> = samples.pairs().map(|pair| model.eval_unclamped(&pair)).collect();
+    measure_values(samples, &predicted, offsets)
+}
+
+/// Returns the errors of samples under models that were each fitted without one fold: `predicted` are the unclamped
+/// values of each fold's own model at its samples, in the order of the fold.
+///
+/// # Panics
+///
+/// If the folds are not those of [`SampleSet::folds`] of these samples.
+pub fn measure_folds(
+    samples: &SampleSet,
+    folds: &[Vec<usize>],
+    predicted: &[Vec<Rgb>],
+    offsets: &[f64],
+) -> FitErrors {
+    let mut values = vec![Rgb::BLACK; samples.len()];
+    for (&index, value) in folds.iter().flatten().zip(predicted.iter().flatten()) {
+        values[index] = *value;
+    }
+    measure_values(samples, &values, offsets)
+}
+
+fn measure_values(samples: &SampleSet, predicted: &[Rgb], offsets: &[f64]) -> FitErrors {
     let mut sums = vec![FitErrors::default(); offsets.len()];
-    for (index, pair) in samples.pairs().enumerate() {
-        let predicted = model.eval_unclamped(&pair);
+    for (index, predicted) in predicted.iter().enumerate() {
         let channels = match offsets.len() {
             1 => [predicted.luminance(), 0.0, 0.0],
             _ => predicted.channels(),
@@ -100,7 +103,15 @@ pub fn measure(samples: &SampleSet, model: &dyn Brdf, offsets: &[f64]) -> FitErr
             sum.linear.add(approximation.max(0.0) - f);
         }
     }
-    mean_over(&sums, samples.len())
+    let seen = |rgb: Rgb| match offsets.len() {
+        1 => Rgb::splat(rgb.luminance()),
+        _ => rgb,
+    };
+    let pairs: Vec<DirectionPair> = samples.pairs().collect();
+    let reference: Vec<Rgb> = (0..samples.len()).map(|index| samples.rgb(index)).collect();
+    let predicted: Vec<Rgb> = predicted.iter().copied().map(seen).collect();
+    let fidelity = FidelityErrors::of(&pairs, &reference, &predicted);
+    FitErrors { fidelity, ..mean_over(&sums, samples.len()) }
 }
 
 impl ErrorMeasures {
@@ -122,6 +133,7 @@ fn mean_over(sums: &[FitErrors], count: usize) -> FitErrors {
     FitErrors {
         log: reduce(|s| s.log),
         linear: reduce(|s| s.linear),
+        fidelity: FidelityErrors::default(),
         without_logarithm: sums.iter().map(|s| s.without_logarithm).sum(),
     }
 }

@@ -58,7 +58,10 @@ pub fn compact_files(
 /// What a compact model is, in a few words.
 pub(crate) fn makeup_text(makeup: &Makeup) -> String {
     match makeup {
-        Makeup::Splines { terms, .. } => format!("{terms} products of splines"),
+        Makeup::Splines { terms, base: None, .. } => format!("{terms} products of splines"),
+        Makeup::Splines { terms, base: Some(base), .. } => {
+            format!("{terms} products of splines on {} GGX lobes", base.lobes.len())
+        }
         Makeup::Lobes(model) => match model.lobes.len() {
             1 => "a GGX lobe on a diffuse base".to_owned(),
             count => format!("{count} GGX lobes on a diffuse base"),

@@ -111,7 +111,7 @@ pub fn fit_note(note: &FitNote) -> String {
                 .map(|m| format!("{} of {} {}", m.method, bytes(m.bytes), significant(m.error)))
                 .collect();
             let by = if *on_rows {
-                "geometric mean of log and linear error over ten folds of the rows"
+                "geometric mean of four errors over ten folds of the rows"
             } else {
                 "geometric mean of eight errors, away from the highlight and in it, over validation pairs"
             };

@@ -26,7 +26,7 @@ pub(crate) fn tried_section(notes: &[FitNote]) -> Result<Markup, ReportError> {
         Curves { x: "bytes".to_owned(), y: "error".to_owned(), series, ..Curves::default() };
     let plot = plot_log_log(&[panel], 1)?;
     let by = if on_rows {
-        "geometric mean of log and linear error over folds"
+        "geometric mean of four errors over folds"
     } else {
         "geometric mean of eight errors over validation pairs"
     };

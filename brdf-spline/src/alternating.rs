@@ -37,7 +37,7 @@ pub(crate) struct Alternating<'a> {
     half_places: HalfPlaces,
     difference_places: DifferencePlaces,
     weighing: Weights,
-    /// ln(a + f) of each node and channel.
+    /// ln(a + f) of each node and channel, or ln((a + f) / (a + g)) over a base g.
     logarithms: Vec<[f64; 3]>,
     weights: Vec<f64>,
     /// Weights times what is to be fitted, node by node, for each colour.
@@ -66,12 +66,12 @@ impl<'a> Alternating<'a> {
     /// Starts with cosines over the axis of θh.
     pub(crate) fn new(nodes: &'a Nodes, shape: Shape, offsets: [f64; 3], roughness: f64) -> Self {
         let channels = nodes.channels;
-        let logarithms =
-            nodes.nodes.iter().map(|node| {
-                std::array::from_fn(|c| {
-                    if c < channels { (offsets[c] + node.value[c]).ln() } else { 0.0 }
-                })
-            });
+        let logarithms = nodes.nodes.iter().enumerate().map(|(index, node)| {
+            let base = nodes.base_logarithms(index, offsets);
+            std::array::from_fn(|c| {
+                if c < channels { (offsets[c] + node.value[c]).ln() - base[c] } else { 0.0 }
+            })
+        });
         let half = (0..shape.terms).flat_map(|term| {
             let turns = std::f64::consts::PI * term as f64;
             (0..shape.half.count).map(move |index| (turns * shape.half.place(index)).cos())
@@ -256,13 +256,20 @@ impl<'a> Alternating<'a> {
     ///
     /// Where a channel is 0 and the model is below, it is right: values end at 0.
     fn reweigh(&mut self) {
-        let predicted = self.predictions();
+        let nodes = self.nodes;
+        let bases: Vec<[f64; 3]> =
+            (0..nodes.nodes.len()).map(|node| nodes.base_logarithms(node, self.offsets)).collect();
+        let mut predicted = self.predictions();
+        for (y, base) in predicted.iter_mut().zip(&bases) {
+            y.iter_mut().zip(base).for_each(|(y, base)| *y += base);
+        }
         self.weights = self.weighing.next(self.nodes, &predicted);
-        let nodes = self.logarithms.iter_mut().zip(&self.nodes.nodes);
-        for ((wanted, node), y) in nodes.zip(&predicted) {
-            for c in 0..self.nodes.channels {
+        let channels = nodes.channels;
+        let nodes = self.logarithms.iter_mut().zip(&nodes.nodes).zip(&bases);
+        for (((wanted, node), base), y) in nodes.zip(&predicted) {
+            for c in 0..channels {
                 if node.value[c] <= 0.0 {
-                    wanted[c] = y[c].min(self.offsets[c].ln());
+                    wanted[c] = y[c].min(self.offsets[c].ln()) - base[c];
                 }
             }
         }

@@ -7,7 +7,7 @@
 use std::f32::consts::{PI, TAU};
 
 use brdf_model::elementary::{angle, exp, ln};
-use brdf_model::{DirectionSlices, RgbBatch};
+use brdf_model::{DirectionSlices, GgxLobes, Rgb, RgbBatch};
 
 use crate::channel::Channel;
 use crate::harmonics::Symmetry;
@@ -30,17 +30,19 @@ struct Places {
 pub(crate) fn evaluate(
     tables: &Tables,
     channels: &[Channel],
+    base: Option<&GgxLobes>,
     pairs: DirectionSlices<'_>,
     out: &mut RgbBatch,
 ) {
     out.resize(pairs.len());
     // The widest vectors of the machine that runs this, chosen at run time.
-    pulp::Arch::new().dispatch(Evaluate { tables, channels, pairs, out });
+    pulp::Arch::new().dispatch(Evaluate { tables, channels, base, pairs, out });
 }
 
 struct Evaluate<'a> {
     tables: &'a Tables,
     channels: &'a [Channel],
+    base: Option<&'a GgxLobes>,
     pairs: DirectionSlices<'a>,
     out: &'a mut RgbBatch,
 }
@@ -50,7 +52,7 @@ impl pulp::NullaryFnOnce for Evaluate<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { tables, channels, pairs, out } = self;
+        let Self { tables, channels, base, pairs, out } = self;
         let mut start = 0;
         while start < pairs.len() {
             let len = TILE.min(pairs.len() - start);
@@ -73,6 +75,14 @@ impl pulp::NullaryFnOnce for Evaluate<'_> {
                 for lane in 0..len {
                     read::<3>(tables, &places, lane, &mut sums);
                 }
+            }
+            for values in sums.iter_mut().take(channels.len()) {
+                for value in values {
+                    *value = exp(*value);
+                }
+            }
+            if let Some(base) = base {
+                multiply_base(base, channels, &wi, &wo, &mut sums);
             }
             for (channel, transform) in channels.iter().enumerate() {
                 finish(&mut sums[channel], *transform, &lit);
@@ -232,12 +242,67 @@ fn sum<const CHANNELS: usize>(
     found
 }
 
-/// Brings logarithms back to values, 0 where a direction is not above the surface.
+/// Multiplies values by a + g of a base g.
+#[inline(always)]
+fn multiply_base(
+    base: &GgxLobes,
+    channels: &[Channel],
+    wi: &[Lane; 3],
+    wo: &[Lane; 3],
+    values: &mut [Lane; 3],
+) {
+    let (mut across, mut up, mut fifth) = ([0.0; TILE], [0.0; TILE], [0.0; TILE]);
+    for lane in 0..TILE {
+        let (hx, hy) = (wi[0][lane] + wo[0][lane], wi[1][lane] + wo[1][lane]);
+        let hz = wi[2][lane] + wo[2][lane];
+        let (flat, high) = (hx * hx + hy * hy, hz * hz);
+        let length = flat + high;
+        across[lane] = flat / length;
+        up[lane] = high / length;
+        let falloff = 1.0 - (0.5 * length.sqrt()).min(1.0);
+        let square = falloff * falloff;
+        fifth[lane] = square * square * falloff;
+    }
+    let rgb = |colour: Rgb| colour.channels().map(narrow);
+    let [diffuse, sheen] = [rgb(base.diffuse / std::f64::consts::PI), rgb(base.sheen)];
+    let mut sums = [[0.0; TILE]; 3];
+    for (channel, sums) in sums.iter_mut().enumerate().take(channels.len()) {
+        let offset = channels[channel].offset + diffuse[channel];
+        for (sum, fifth) in sums.iter_mut().zip(&fifth) {
+            *sum = offset + sheen[channel] * fifth;
+        }
+    }
+    for lobe in &base.lobes {
+        let square = narrow(lobe.alpha * lobe.alpha);
+        let (f0, f90) = (rgb(lobe.f0), narrow(lobe.f90));
+        let mut facets = [0.0; TILE];
+        for lane in 0..TILE {
+            let (zi, zo) = (wi[2][lane], wo[2][lane]);
+            let spread = across[lane] / square + up[lane];
+            let distribution = 1.0 / (PI * square * spread * spread);
+            let [behind, before] = [zi, zo].map(|z| (square + (1.0 - square) * z * z).sqrt());
+            facets[lane] = distribution * 0.5 / (zo * behind + zi * before);
+        }
+        for (channel, sums) in sums.iter_mut().enumerate().take(channels.len()) {
+            for lane in 0..TILE {
+                let fresnel = f0[channel] * (1.0 - fifth[lane]) + f90 * fifth[lane];
+                sums[lane] += fresnel * facets[lane];
+            }
+        }
+    }
+    for (values, sums) in values.iter_mut().zip(&sums).take(channels.len()) {
+        for (value, sum) in values.iter_mut().zip(sums) {
+            *value *= sum;
+        }
+    }
+}
+
+/// Brings what stands for a + f back to values, 0 where a direction is not above the surface.
 #[inline(always)]
 fn finish(values: &mut Lane, channel: Channel, lit: &Lane) {
     let [min, max] = channel.range;
     for (value, lit) in values.iter_mut().zip(lit) {
-        *value = (exp(*value) - channel.offset).clamp(min, max) * lit;
+        *value = (*value - channel.offset).clamp(min, max) * lit;
     }
 }
 

@@ -20,6 +20,14 @@ pub enum SplineError {
         /// Most.
         max: usize,
     },
+    /// A base has no lobes, or too many for a stream.
+    #[error("a base of {lobes} lobes; expected 1 to {max}")]
+    Lobes {
+        /// Lobes of the base.
+        lobes: usize,
+        /// Most.
+        max: usize,
+    },
     /// A stream is not that of a model.
     #[error("{what} {found}; expected {expected}")]
     Stream {

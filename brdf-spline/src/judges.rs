@@ -1,8 +1,11 @@
 //! What trials are judged by: pairs that are neither nodes nor what models are held out on.
 
-use brdf_model::{Brdf, Channels, Fidelity, FidelityErrors, PairSampling, Rgb, ScrambledSobol};
+use brdf_model::{
+    Brdf, Channels, Fidelity, FidelityErrors, GgxLobes, PairSampling, Rgb, ScrambledSobol,
+};
 use brdf_param::{DirectionPair, HalfDifference};
 
+use crate::base::value_of;
 use crate::channel::Channel;
 use crate::fit::SplineSettings;
 use crate::products::Products;
@@ -16,15 +19,19 @@ const JUDGED_THETA: f64 = 80.0 * std::f64::consts::PI / 180.0;
 pub(crate) fn evaluate(
     products: &Products,
     channels: &[Channel],
+    base: Option<&GgxLobes>,
     pairs: &[DirectionPair],
 ) -> Vec<Rgb> {
     let harmonics = products.shape.harmonics();
     let values = pairs.iter().map(|pair| {
         let angles = HalfDifference::from_pair(pair);
+        let base = value_of(base, pair);
         let y = products.eval_with(&harmonics, angles.theta_h, angles.theta_d, angles.phi_d);
         match channels {
-            [grey] => Rgb::splat(grey.value(y[0])),
-            _ => Rgb::from(std::array::from_fn(|c| channels[c].value(y[c]))),
+            [grey] => Rgb::splat(grey.value(y[0], base.map(|base| base[0]))),
+            _ => Rgb::from(std::array::from_fn(|c| {
+                channels[c].value(y[c], base.map(|base| base[c]))
+            })),
         }
     });
     values.collect()
@@ -71,7 +78,7 @@ impl Judges {
     }
 
     pub(crate) fn score(&self, products: &Products, channels: &[Channel]) -> f64 {
-        self.judge(|pairs| evaluate(products, channels, pairs))
+        self.judge(|pairs| evaluate(products, channels, None, pairs))
     }
 
     fn judge(&self, values: impl Fn(&[DirectionPair]) -> Vec<Rgb>) -> f64 {

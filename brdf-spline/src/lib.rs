@@ -2,9 +2,9 @@
 //!
 //! A model is ln(a + f) ≈ Σ_k g_k(θh) Σ_jm C_kjm B_j(θd) sinᵐθd cos mφd. The splines g_k have their knots where
 //! highlights are, evenly in asinh(θh/α). [`fit_splines`] fits a material that can be evaluated,
-//! [`fit_spline_samples`] scattered samples, both in as many bytes as they are given; a [`Prior`] says what to expect
-//! where no sample is. What comes out is a [`SplineBrdf`]: a stream of bytes, and a [`Brdf`](brdf_model::Brdf) that is
-//! read from two tables.
+//! [`fit_spline_samples`] scattered samples, both in as many bytes as they are given. Models of samples may change GGX
+//! lobes, which are left where no sample is: f = (a + g) eʸ − a, with y the sum and g the lobes. What comes out is a
+//! [`SplineBrdf`]: a stream of bytes, and a [`Brdf`](brdf_model::Brdf) that is read from two tables.
 //!
 //! Fits are alternating least squares: g is solved for, then C, and again. Weights make the errors of
 //! [`Fidelity`](brdf_model::Fidelity) fall together. Where a value is 0 the model may be anything below. Coefficients are
@@ -25,6 +25,7 @@
 
 mod alternating;
 mod banded;
+mod base;
 mod basis;
 mod batch;
 mod channel;
@@ -40,17 +41,20 @@ mod opponent;
 mod places;
 mod products;
 mod rounding;
+mod samples;
+mod size;
 mod stream;
 mod table;
+mod trials;
 mod warp;
 mod weights;
 
 pub use error::SplineError;
-pub use fit::{
-    Prior, SPLINE_BYTES, SplineFit, SplineSettings, SplineTrial, fit_spline_samples, fit_splines,
-};
+pub use fit::{SPLINE_BYTES, SplineFit, SplineSettings, fit_splines};
 pub use harmonics::Symmetry;
 pub use model::SplineBrdf;
+pub use samples::{BaseFit, fit_spline_samples};
+pub use trials::SplineTrial;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,9 +1,10 @@
 //! The model: a stream of a few kilobytes, and the tables that it is read from.
 
-use brdf_model::{Brdf, Channels, DirectionSlices, Rgb, RgbBatch};
+use brdf_model::{Brdf, Channels, DirectionSlices, GgxLobes, Rgb, RgbBatch};
 use brdf_param::{DirectionPair, HalfDifference};
 use glam::{DVec2, DVec3};
 
+use crate::base::{ALPHAS, from_numbers, length, numbers, value_of};
 use crate::basis::CubicBasis;
 use crate::batch;
 use crate::channel::Channel;
@@ -15,7 +16,7 @@ use crate::stream::{Quantized, Steps};
 use crate::table::{Tables, table_size};
 use crate::warp::HalfAxis;
 
-/// First byte of a stream: a version, above the symmetry and the channels.
+/// In the first byte of a stream, above lobes, channels and the symmetry.
 const VERSION: u8 = 1;
 /// Most numbers of the table over θd and φd: several times those of the largest model that is fitted.
 const TABLE_MAX: usize = 8_000_000;
@@ -54,6 +55,7 @@ pub struct SplineBrdf {
     bytes: Vec<u8>,
     shape: Shape,
     channels: Vec<Channel>,
+    base: Option<GgxLobes>,
     tables: Tables,
 }
 
@@ -69,7 +71,7 @@ impl SplineBrdf {
         let [kind, terms, half, difference, order] = head.array()?;
         let symmetry = Symmetry::ALL[usize::from(kind & 3)];
         let channels = if kind >> 2 & 1 == 1 { 3 } else { 1 };
-        within("version of a spline stream", kind >> 3, VERSION, VERSION, "1")?;
+        within("version of a spline stream", kind >> 6, VERSION, VERSION, "1")?;
         let few = CubicBasis::FEWEST;
         within("number of terms", usize::from(terms), 1, TERMS_MAX, "1 to 64")?;
         within("splines over θh", usize::from(half), few, SPLINES_MAX, "5 to 200")?;
@@ -90,6 +92,10 @@ impl SplineBrdf {
             within("largest value", range[1], range[0], 1e30, "at least the smallest")?;
             transforms.push(Channel { offset, range });
         }
+        let base = match usize::from(kind >> 3 & 7) {
+            0 => None,
+            lobes => Some(head.base(lobes, channels)?),
+        };
         let exponents = head.take(usize::from(terms))?.iter().map(|e| e.cast_signed()).collect();
         let shape = Shape {
             terms: terms.into(),
@@ -105,17 +111,27 @@ impl SplineBrdf {
         within("numbers of the table over θd and φd", numbers, 0, TABLE_MAX, "at most 8 million")?;
         let steps = Steps { half: sizes[0], exponents, difference: sizes[1] };
         let quantized = Quantized::decode(shape, steps, head.rest);
-        Ok(Self::with_bytes(bytes.to_vec(), &quantized, transforms))
+        Ok(Self::with_bytes(bytes.to_vec(), &quantized, transforms, base))
     }
 
-    /// Returns the model of coefficients.
-    pub(crate) fn new(quantized: &Quantized, channels: Vec<Channel>) -> Self {
-        Self::with_bytes(stream(quantized, &channels), quantized, channels)
+    /// Returns the model of coefficients, over a base as it is stored.
+    pub(crate) fn new(
+        quantized: &Quantized,
+        channels: Vec<Channel>,
+        base: Option<GgxLobes>,
+    ) -> Self {
+        let bytes = stream(quantized, &channels, base.as_ref());
+        Self::with_bytes(bytes, quantized, channels, base)
     }
 
-    fn with_bytes(bytes: Vec<u8>, quantized: &Quantized, channels: Vec<Channel>) -> Self {
+    fn with_bytes(
+        bytes: Vec<u8>,
+        quantized: &Quantized,
+        channels: Vec<Channel>,
+        base: Option<GgxLobes>,
+    ) -> Self {
         let tables = Tables::new(&quantized.products());
-        Self { bytes, shape: quantized.shape.clone(), channels, tables }
+        Self { bytes, shape: quantized.shape.clone(), channels, base, tables }
     }
 
     /// Returns the stream: all that there is to know of the model.
@@ -148,6 +164,11 @@ impl SplineBrdf {
         self.channels.iter().map(|channel| channel.range.map(f64::from)).collect()
     }
 
+    /// Returns the lobes that the products change, if there are any; of luminance, in all three channels.
+    pub fn base(&self) -> Option<&GgxLobes> {
+        self.base.as_ref()
+    }
+
     /// Returns which exchanges leave the model unchanged.
     pub fn symmetry(&self) -> Symmetry {
         self.shape.symmetry
@@ -172,14 +193,16 @@ impl Brdf for SplineBrdf {
         let held = DirectionPair::new(hold(pair.wi), hold(pair.wo));
         let angles = HalfDifference::from_pair(&held);
         let y = self.tables.read(angles.theta_h, angles.theta_d, angles.phi_d);
-        match &self.channels[..] {
-            [grey] => Rgb::splat(grey.value(y[0])),
-            channels => Rgb::from(std::array::from_fn(|c| channels[c].value(y[c]))),
+        let base = value_of(self.base.as_ref(), &held);
+        let value = |c: usize| self.channels[c].value(y[c], base.map(|base| base[c]));
+        match self.channels.len() {
+            1 => Rgb::splat(value(0)),
+            _ => Rgb::from(std::array::from_fn(value)),
         }
     }
 
     fn eval_batch(&self, pairs: DirectionSlices<'_>, out: &mut RgbBatch) {
-        batch::evaluate(&self.tables, &self.channels, pairs, out);
+        batch::evaluate(&self.tables, &self.channels, self.base.as_ref(), pairs, out);
     }
 }
 
@@ -193,12 +216,17 @@ pub(crate) fn hold(w: DVec3) -> DVec3 {
 }
 
 /// The bytes of a model.
-pub(crate) fn stream(quantized: &Quantized, channels: &[Channel]) -> Vec<u8> {
+pub(crate) fn stream(
+    quantized: &Quantized,
+    channels: &[Channel],
+    base: Option<&GgxLobes>,
+) -> Vec<u8> {
     let shape = &quantized.shape;
     let symmetry = Symmetry::ALL.iter().position(|s| *s == shape.symmetry).unwrap_or_default();
     #[expect(clippy::cast_possible_truncation, reason = "all counts have limits below 256")]
     let byte = |count: usize| count as u8;
-    let kind = VERSION << 3 | u8::from(shape.channels == 3) << 2 | byte(symmetry);
+    let lobes = byte(base.map_or(0, |base| base.lobes.len()));
+    let kind = VERSION << 6 | lobes << 3 | u8::from(shape.channels == 3) << 2 | byte(symmetry);
     let mut bytes = vec![kind];
     let counts = [shape.terms, shape.half.count, shape.difference.count, shape.order];
     bytes.extend(counts.map(byte));
@@ -210,6 +238,9 @@ pub(crate) fn stream(quantized: &Quantized, channels: &[Channel]) -> Vec<u8> {
     for channel in channels {
         let numbers = [channel.offset, channel.range[0], channel.range[1]];
         bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
+    }
+    if let Some(base) = base {
+        bytes.extend(numbers(base, channels.len()).iter().flat_map(|v| v.to_le_bytes()));
     }
     bytes.extend(quantized.steps.exponents.iter().map(|e| e.cast_unsigned()));
     bytes.extend(quantized.encode());
@@ -241,6 +272,21 @@ impl<'a> Head<'a> {
 
     fn f32(&mut self) -> Result<f32, SplineError> {
         Ok(f32::from_le_bytes(self.array()?))
+    }
+
+    fn base(&mut self, lobes: usize, channels: usize) -> Result<GgxLobes, SplineError> {
+        let mut numbers = Vec::with_capacity(length(lobes, channels));
+        for _ in 0..length(lobes, channels) {
+            let number = self.f32()?;
+            within("number of a base", number, 0.0, 1e9, "0 to 1e9")?;
+            numbers.push(number);
+        }
+        let base = from_numbers(&numbers, lobes, channels);
+        for lobe in &base.lobes {
+            // The ends themselves are rounded.
+            within("α of a lobe", lobe.alpha, 0.99 * ALPHAS[0], 1.01 * ALPHAS[1], "1e-4 to 10")?;
+        }
+        Ok(base)
     }
 }
 

@@ -2,10 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use brdf_model::{Brdf, Rgb, SampleSet};
+use brdf_model::{Brdf, GgxLobes, Rgb, SampleSet};
 use brdf_param::{DirectionPair, HalfDifference};
 use rayon::prelude::*;
 
+use crate::base::value_of;
 use crate::harmonics::Symmetry;
 
 /// θh at which nodes change from even spacing to a geometric one, radians.
@@ -17,8 +18,8 @@ const JUDGED: f64 = 80.0 * PI / 180.0;
 /// What they count beside the others.
 const BEYOND: f64 = 0.02;
 
-/// Nodes of a prior.
-const PRIOR: NodeGrid = NodeGrid { theta_h: 28, theta_d: 9, phi_d: 8 };
+/// Nodes of a base beside samples.
+const BESIDE: NodeGrid = NodeGrid { theta_h: 28, theta_d: 9, phi_d: 8 };
 
 /// Numbers of nodes along each angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +55,14 @@ impl Node {
     }
 }
 
+/// Lobes under a sum of products.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Base {
+    pub(crate) lobes: GgxLobes,
+    /// Value of each channel at each node, sr⁻¹.
+    pub(crate) values: Vec<[f64; 3]>,
+}
+
 /// The nodes that a model is fitted to.
 #[derive(Clone, Debug)]
 pub(crate) struct Nodes {
@@ -64,6 +73,10 @@ pub(crate) struct Nodes {
     pub(crate) is_grid: bool,
     /// On a grid, those of a difference vector together.
     pub(crate) nodes: Vec<Node>,
+    /// How many of them, from the first on, are of the material; the others are of the base.
+    own: usize,
+    /// What products change, and its values at the nodes.
+    pub(crate) base: Option<Base>,
     /// Channels that are fitted: 1 or 3.
     pub(crate) channels: usize,
     /// Places without a finite value, which are left out.
@@ -113,24 +126,29 @@ impl Nodes {
         Self::new(halves, differences, true, nodes, channels)
     }
 
-    /// Takes measured rows as they are, every row counting the same, and a prior, which all in all counts as much as
-    /// a share of them.
-    pub(crate) fn of_samples(samples: &SampleSet, prior: Option<(&dyn Brdf, f64)>) -> Self {
+    /// Takes measured rows as they are, every row counting the same, and lobes beside them everywhere, which all in all
+    /// count as much as a share of the rows. The lobes become the base.
+    pub(crate) fn of_samples(
+        samples: &SampleSet,
+        symmetry: Symmetry,
+        base: Option<(&GgxLobes, f64)>,
+    ) -> Self {
         let channels = samples.channels().count();
         let (mut halves, mut differences, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut values = Vec::new();
         for (index, pair) in samples.pairs().enumerate() {
             let angles = HalfDifference::from_pair(&pair);
             halves.push(angles.theta_h);
             differences.push(Difference { theta: angles.theta_d, phi: angles.phi_d });
             let value = of_channels(samples.rgb(index), channels);
             nodes.push(Node { value, cosine: pair.wi.z, shares: [1.0; 2] });
+            values.extend(value_of(base.map(|(lobes, _)| lobes), &pair));
         }
-        if let Some((prior, share)) = prior {
-            let symmetry = Symmetry::Both;
-            let beside = on_grid(prior, PRIOR, symmetry, channels);
+        if let Some((lobes, share)) = base {
+            let beside = on_grid(lobes, BESIDE, symmetry, channels);
             let totals = totals(&beside);
-            let places = PRIOR.differences(symmetry).flat_map(|(difference, _)| {
-                PRIOR.halves().map(move |(theta_h, _)| (theta_h, difference))
+            let places = BESIDE.differences(symmetry).flat_map(|(difference, _)| {
+                BESIDE.halves().map(move |(theta_h, _)| (theta_h, difference))
             });
             for ((half, difference), mut node) in places.zip(beside).filter(|(_, n)| n.is_known()) {
                 for (own, total) in node.shares.iter_mut().zip(totals) {
@@ -138,10 +156,13 @@ impl Nodes {
                 }
                 halves.push(half);
                 differences.push(difference);
+                values.push(node.value);
                 nodes.push(node);
             }
         }
-        Self::new(halves, differences, false, nodes, channels)
+        let base = base.map(|(lobes, _)| Base { lobes: lobes.clone(), values });
+        let own = samples.len();
+        Self { own, base, ..Self::new(halves, differences, false, nodes, channels) }
     }
 
     fn new(
@@ -163,12 +184,28 @@ impl Nodes {
             let [uniform, mirror] = [0, 1].map(|set| node.shares[set] / totals[set]);
             node.shares = [uniform, 0.5 * (uniform + mirror)];
         }
-        Self { halves, differences, is_grid, nodes, channels, not_finite }
+        let own = nodes.len();
+        Self { halves, differences, is_grid, nodes, own, base: None, channels, not_finite }
     }
 
-    /// The nodes with data.
+    /// ln(a + g) of the base at a node, 0 without one.
+    pub(crate) fn base_logarithms(&self, node: usize, offsets: [f64; 3]) -> [f64; 3] {
+        match &self.base {
+            Some(base) => std::array::from_fn(|c| {
+                if c < self.channels { (offsets[c] + base.values[node][c]).ln() } else { 0.0 }
+            }),
+            None => [0.0; 3],
+        }
+    }
+
+    /// The nodes with data, of the material and of a base beside it.
     pub(crate) fn known(&self) -> impl Iterator<Item = &Node> {
         self.nodes.iter().filter(|node| node.is_known())
+    }
+
+    /// The nodes at which the material is known.
+    pub(crate) fn measured(&self) -> impl Iterator<Item = &Node> {
+        self.nodes[..self.own].iter().filter(|node| node.is_known())
     }
 
     /// The mean value of each channel over uniform pairs.

@@ -59,53 +59,57 @@ pub(crate) struct DifferencePlaces {
     harmonics: Vec<f64>,
     /// Places that follow each other and have the same θd, as those of a grid do.
     rings: Vec<Ring>,
+    /// Places that follow each other and are the same, as those of lobes beside samples are.
+    spokes: Vec<Range<usize>>,
 }
 
 struct Ring {
     taps: Taps,
-    places: Range<usize>,
+    spokes: Range<usize>,
 }
 
 impl DifferencePlaces {
     pub(crate) fn new(shape: &Shape, places: &[Difference]) -> Self {
         let functions = shape.harmonics();
-        let mut rings: Vec<Ring> = Vec::new();
-        for group in places.chunk_by(|a, b| a.theta.total_cmp(&b.theta).is_eq()) {
-            let start = rings.last().map_or(0, |ring| ring.places.end);
-            let taps = shape.difference.taps(difference_axis(group[0].theta));
-            rings.push(Ring { taps, places: start..start + group.len() });
+        let (mut rings, mut spokes): (Vec<Ring>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
+        let mut harmonics = Vec::new();
+        let mut place = 0;
+        for ring in places.chunk_by(|a, b| a.theta.total_cmp(&b.theta).is_eq()) {
+            let first = spokes.len();
+            for spoke in ring.chunk_by(|a, b| a.phi.total_cmp(&b.phi).is_eq()) {
+                let (sin, phi) = (spoke[0].theta.sin(), spoke[0].phi);
+                harmonics.extend(functions.iter().map(|function| function.value(sin, phi)));
+                spokes.push(place..place + spoke.len());
+                place += spoke.len();
+            }
+            let taps = shape.difference.taps(difference_axis(ring[0].theta));
+            rings.push(Ring { taps, spokes: first..spokes.len() });
         }
-        let at = |place: &Difference| {
-            let (sin, phi) = (place.theta.sin(), place.phi);
-            functions.iter().map(move |function| function.value(sin, phi)).collect::<Vec<_>>()
-        };
-        Self {
-            basis: shape.difference,
-            count: functions.len(),
-            harmonics: places.iter().flat_map(at).collect(),
-            rings,
-        }
+        Self { basis: shape.difference, count: functions.len(), harmonics, rings, spokes }
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.rings.last().map_or(0, |ring| ring.places.end)
+        self.spokes.last().map_or(0, |places| places.end)
     }
 
-    fn at(&self, place: usize) -> &[f64] {
-        &self.harmonics[place * self.count..(place + 1) * self.count]
+    fn at(&self, spoke: usize) -> &[f64] {
+        &self.harmonics[spoke * self.count..(spoke + 1) * self.count]
     }
 
     /// Writes the value of the function of these coefficients at each place into every `stride`th number.
     #[inline(always)]
     pub(crate) fn read(&self, coefficients: &[f64], values: &mut [f64], stride: usize) {
         let mut own = vec![0.0; self.count];
-        for Ring { taps, places } in &self.rings {
+        for Ring { taps, spokes } in &self.rings {
             own.fill(0.0);
             for (&j, weight) in taps.at.iter().zip(taps.weights) {
                 add(weight, &coefficients[j * self.count..(j + 1) * self.count], &mut own);
             }
-            for place in places.clone() {
-                values[place * stride] = dot(&own, self.at(place));
+            for spoke in spokes.clone() {
+                let value = dot(&own, self.at(spoke));
+                for place in self.spokes[spoke].clone() {
+                    values[place * stride] = value;
+                }
             }
         }
     }
@@ -115,10 +119,14 @@ impl DifferencePlaces {
     pub(crate) fn side(&self, values: &[f64], side: &mut [f64]) {
         side.fill(0.0);
         let mut own = vec![0.0; self.count];
-        for Ring { taps, places } in &self.rings {
+        for Ring { taps, spokes } in &self.rings {
             own.fill(0.0);
-            for place in places.clone() {
-                add(values[place], self.at(place), &mut own);
+            for spoke in spokes.clone() {
+                add(
+                    self.spokes[spoke].clone().map(|place| values[place]).sum(),
+                    self.at(spoke),
+                    &mut own,
+                );
             }
             for (&j, weight) in taps.at.iter().zip(taps.weights) {
                 add(weight, &own, &mut side[j * self.count..(j + 1) * self.count]);
@@ -133,14 +141,15 @@ impl DifferencePlaces {
         let mut gram = Banded::zeros(self.basis.count * count, 4 * count);
         let mut angular = vec![0.0; count * count];
         let mut whole = Vec::with_capacity(4 * count);
-        for Ring { taps, places } in &self.rings {
-            if places.len() == 1 {
+        let weight = |spoke: usize| self.spokes[spoke].clone().map(&weight).sum::<f64>();
+        for Ring { taps, spokes } in &self.rings {
+            if spokes.len() == 1 {
                 // Splines that follow each other: one row of coefficients.
-                let harmonics = self.at(places.start);
+                let harmonics = self.at(spokes.start);
                 whole.clear();
                 whole
                     .extend(taps.weights.iter().flat_map(|w| harmonics.iter().map(move |h| w * h)));
-                let (weight, first) = (weight(places.start), taps.at[0] * count);
+                let (weight, first) = (weight(spokes.start), taps.at[0] * count);
                 for (at, value) in whole.iter().enumerate() {
                     let row = gram.row_mut(first + at, first, at + 1);
                     add(weight * value, &whole, row);
@@ -148,8 +157,8 @@ impl DifferencePlaces {
                 continue;
             }
             angular.fill(0.0);
-            for place in places.clone() {
-                let (weight, harmonics) = (weight(place), self.at(place));
+            for spoke in spokes.clone() {
+                let (weight, harmonics) = (weight(spoke), self.at(spoke));
                 for (line, value) in angular.chunks_exact_mut(count).zip(harmonics) {
                     add(weight * value, harmonics, line);
                 }

@@ -1,5 +1,7 @@
 //! Coefficients as integers, in steps as fine as a number of bytes allows.
 
+use brdf_model::GgxLobes;
+
 use crate::alternating::Alternating;
 use crate::channel::Channel;
 use crate::model::stream;
@@ -15,7 +17,12 @@ const ROUNDS: usize = 2;
 const HALVINGS: usize = 8;
 
 /// Rounds coefficients as finely as the bytes allow.
-pub(crate) fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: usize) -> Quantized {
+pub(crate) fn quantize(
+    fit: &mut Alternating<'_>,
+    channels: &[Channel],
+    base: Option<&GgxLobes>,
+    bytes: usize,
+) -> Quantized {
     let start = fit.sides();
     let shape = fit.shape().clone();
     let exponents: Vec<i8> =
@@ -41,7 +48,7 @@ pub(crate) fn quantize(fit: &mut Alternating<'_>, channels: &[Channel], bytes: u
                 half: half.clone(),
                 difference: together(&colours),
             };
-            if stream(&made, channels).len() <= bytes {
+            if stream(&made, channels, base).len() <= bytes {
                 (high, fits) = (middle, Some(made));
             } else if halving < HALVINGS {
                 low = middle;

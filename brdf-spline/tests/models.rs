@@ -1,8 +1,9 @@
 //! What models promise: symmetries, limits, sizes, streams that come back, and errors on real materials.
 
-use brdf_job::{Cancel, Job};
+use brdf_job::{Cancel, Job, Stopped};
 use brdf_model::{
-    Brdf, Channels, DirectionBatch, FidelityPairs, PairSampling, Preset, Rgb, RgbBatch, SampleSet,
+    Brdf, Channels, DirectionBatch, FidelityPairs, GgxLobe, GgxLobes, PairSampling, Preset, Rgb,
+    RgbBatch, SampleSet, log_offsets, measure,
 };
 use brdf_param::DirectionPair;
 use brdf_spline::{
@@ -167,7 +168,7 @@ fn luminance_is_grey_and_scattered_rows_are_fitted_as_they_are() {
     let samples = SampleSet::draw(&gold, &sampling, Channels::Rgb);
     let settings = SplineSettings { bytes: 2_000, ..SplineSettings::default() };
     let fit = fit_spline_samples(&samples, None, &settings, &Job::new()).expect("a fit");
-    assert_eq!((fit.nodes, fit.model.symmetry()), (3_000, Symmetry::Both));
+    assert_eq!((fit.nodes, fit.model.base()), (3_000, None));
     let unseen = PairSampling { seed: 2, ..sampling };
     let errors: Vec<f64> = unseen
         .pairs()
@@ -175,6 +176,104 @@ fn luminance_is_grey_and_scattered_rows_are_fitted_as_they_are() {
         .collect();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!(mean < 0.03, "mean log error {mean}");
+}
+
+/// Lobes that fit nothing here well.
+fn poor_lobes(_: &SampleSet, count: usize) -> Result<GgxLobes, Stopped> {
+    let lobe = GgxLobe { f0: Rgb::splat(0.3), f90: 0.5, alpha: 0.3 };
+    let wide = GgxLobe { f0: Rgb::splat(0.1), f90: 0.1, alpha: 0.6 };
+    let (diffuse, sheen) = (Rgb::new(0.1, 0.1, 0.05), Rgb::splat(0.01));
+    Ok(GgxLobes { diffuse, lobes: [lobe, wide][..count].to_vec(), sheen })
+}
+
+fn few_rows(channels: Channels) -> SampleSet {
+    SampleSet::draw(
+        &preset("plastic"),
+        &PairSampling { count: 1_200, seed: 1, theta_max: 1.2 },
+        channels,
+    )
+}
+
+/// On lobes too a stream comes back, batches agree, and symmetries hold; the lobes are what is left where no sample is.
+#[test]
+fn products_change_lobes_where_samples_are() {
+    for channels in [Channels::Rgb, Channels::Luminance] {
+        let samples = few_rows(channels);
+        let settings = SplineSettings {
+            bytes: 2_000,
+            channels,
+            symmetry: Some(Symmetry::Both),
+            ..SplineSettings::default()
+        };
+        let fit = fit_spline_samples(&samples, Some(&poor_lobes), &settings, &Job::new());
+        let model = fit.expect("a fit").model;
+        assert!(model.as_bytes().len() <= 2_000);
+        let base = model.base().expect("lobes").clone();
+        assert!([1, 2].contains(&base.lobes.len()), "{base:?}");
+        assert_eq!(SplineBrdf::from_bytes(model.as_bytes()).expect("a stream"), model);
+
+        let pairs = pairs(400);
+        let batch: DirectionBatch = pairs.iter().collect();
+        let mut values = RgbBatch::default();
+        model.eval_batch(batch.as_slices(), &mut values);
+        for (index, pair) in pairs.iter().enumerate() {
+            let exact = model.eval(&batch.as_slices().get(index)).g;
+            let found = values.get(index).g;
+            assert!((found - exact).abs() <= 2e-3 * exact + 1e-7, "{found}, {exact} at {pair:?}");
+            let value = model.eval(pair).g;
+            for other in [pair.rotated_about_normal(1.0), pair.swapped()] {
+                assert!((model.eval(&other).g / value - 1.0).abs() < 1e-5, "at {pair:?}");
+            }
+        }
+
+        let errors = |brdf: &dyn Brdf| {
+            let offsets = log_offsets(&samples);
+            measure(&samples, brdf, &offsets).fidelity.score()
+        };
+        assert!(errors(&model) < 0.2 * errors(&base), "{} {}", errors(&model), errors(&base));
+    }
+}
+
+#[test]
+fn samples_of_a_material_without_symmetry_find_none() {
+    let sampling = PairSampling { count: 1_500, seed: 1, theta_max: 1.3 };
+    let samples = SampleSet::draw(&Twisted, &sampling, Channels::Rgb);
+    let settings = SplineSettings { bytes: 1_500, ..SplineSettings::default() };
+    let fit = |samples| fit_spline_samples(samples, Some(&poor_lobes), &settings, &Job::new());
+    assert_eq!(fit(&samples).expect("a fit").model.symmetry(), Symmetry::None);
+    let symmetric = fit(&few_rows(Channels::Rgb)).expect("a fit").model.symmetry();
+    assert!(symmetric.is_reciprocal(), "{symmetric:?}");
+}
+
+#[test]
+fn lobes_are_left_where_no_sample_is() {
+    let sampling = PairSampling { count: 1_200, seed: 1, theta_max: 0.6 };
+    let samples = SampleSet::draw(&preset("plastic"), &sampling, Channels::Rgb);
+    let settings = SplineSettings { bytes: 1_500, ..SplineSettings::default() };
+    let fit = fit_spline_samples(&samples, Some(&poor_lobes), &settings, &Job::new());
+    let model = fit.expect("a fit").model;
+    let base = model.base().expect("lobes");
+    let far =
+        pairs(2_000).into_iter().filter(|p| p.wi.z.max(p.wo.z) < 0.3 && p.wi.z.min(p.wo.z) > 0.1);
+    let off: Vec<f64> = far.map(|p| (model.eval(&p).g / base.eval(&p).g).ln().abs()).collect();
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    assert!(off.len() > 30 && mean < 0.3, "{mean} over {}", off.len());
+}
+
+#[test]
+fn a_base_has_lobes_but_not_too_many() {
+    let settings = SplineSettings { bytes: 500, ..SplineSettings::default() };
+    for count in [0, 8] {
+        let lobes = |samples: &SampleSet, _: usize| {
+            let one = poor_lobes(samples, 1)?;
+            Ok(GgxLobes { lobes: vec![one.lobes[0]; count], ..one })
+        };
+        let refused =
+            fit_spline_samples(&few_rows(Channels::Rgb), Some(&lobes), &settings, &Job::new());
+        let is_told =
+            matches!(refused, Err(SplineError::Lobes { lobes, max: 7 }) if lobes == count);
+        assert!(is_told, "{refused:?}");
+    }
 }
 
 #[test]
@@ -200,7 +299,7 @@ fn nothing_to_fit_and_stopped_work_are_errors() {
 fn a_head_cannot_ask_for_too_much() {
     let mut bytes = fitted("plastic", 500).as_bytes().to_vec();
     // Symmetry none, three channels; 64 terms, 200 splines of each kind, harmonics up to order 40.
-    bytes[..5].copy_from_slice(&[1 << 3 | 1 << 2, 64, 200, 200, 40]);
+    bytes[..5].copy_from_slice(&[1 << 6 | 1 << 2, 64, 200, 200, 40]);
     let refused = SplineBrdf::from_bytes(&bytes).expect_err("too large");
     assert!(refused.to_string().contains("at most 8 million"), "{refused}");
 }
@@ -211,12 +310,17 @@ proptest! {
     /// Streams that are cut, changed or made up are models or errors, never panics.
     #[test]
     fn broken_streams_do_no_harm(
+        on_lobes: bool,
         cut in 0..900_usize,
         changes in prop::collection::vec((0..900_usize, any::<u8>()), 0..8),
     ) {
-        static MODEL: std::sync::LazyLock<SplineBrdf> =
-            std::sync::LazyLock::new(|| fitted("plastic", 900));
-        let mut bytes = MODEL.as_bytes().to_vec();
+        static MODELS: std::sync::LazyLock<[SplineBrdf; 2]> = std::sync::LazyLock::new(|| {
+            let settings = SplineSettings { bytes: 900, ..SplineSettings::default() };
+            let rows = few_rows(Channels::Rgb);
+            let fit = fit_spline_samples(&rows, Some(&poor_lobes), &settings, &Job::new());
+            [fitted("plastic", 900), fit.expect("a fit").model]
+        });
+        let mut bytes = MODELS[usize::from(on_lobes)].as_bytes().to_vec();
         for (at, value) in changes {
             if let Some(byte) = bytes.get_mut(at) {
                 *byte = value;

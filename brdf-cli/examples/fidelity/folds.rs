@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use brdf_container::MaterialFile;
 use brdf_fit::Material;
-use brdf_model::{FitErrors, log_offsets, measure};
+use brdf_model::{FitErrors, log_offsets, measure_folds};
 
 use crate::methods::{Method, Model};
 
@@ -14,11 +14,13 @@ const SEED: u64 = 1;
 /// Rows beyond are not fitted and not judged, radians.
 const THETA_MAX: f64 = 80.0 / 180.0 * std::f64::consts::PI;
 
-/// Prints the errors of every model of some scattered materials, root mean squares.
+/// Prints the errors of every model of some scattered materials.
 pub(crate) fn print_folds(files: &[MaterialFile], methods: &[Method]) -> anyhow::Result<()> {
-    println!("\nscattered rows, by ten folds: root mean square errors\n");
-    println!("| material | rows | model | bytes | log | linear, sr⁻¹ | fits, s |");
-    println!("|---|---|---|---|---|---|---|");
+    println!("\nscattered rows, by ten folds; J: geometric mean of the four errors\n");
+    println!(
+        "| material | rows | model | bytes | J | log-cosine | cube root | relative | log | fits, s |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for file in files {
         let material = file.material();
         let rows = material.samples().map_or(0, |rows| rows.within(THETA_MAX).len());
@@ -30,19 +32,18 @@ pub(crate) fn print_folds(files: &[MaterialFile], methods: &[Method]) -> anyhow:
                 _ => over_folds(&material, method)?,
             };
             let seconds = start.elapsed().as_secs_f64();
-            let root = |square: fn(&FitErrors) -> f64, digits: usize| {
-                errors.as_ref().map_or_else(
-                    || "–".to_owned(),
-                    |errors| format!("{:.digits$}", square(errors).sqrt()),
-                )
+            let columns = match errors.map(|errors| errors.fidelity) {
+                Some(errors) => {
+                    let all = errors.all().map(|error| format!("{error:.4}")).join(" | ");
+                    format!("{:.4} | {all}", errors.score())
+                }
+                None => "– | – | – | – | –".to_owned(),
             };
             println!(
-                "| {} | {rows} | {} | {} | {} | {} | {seconds:.1} |",
+                "| {} | {rows} | {} | {} | {columns} | {seconds:.1} |",
                 file.short_name(),
                 method.name,
                 model.bytes(),
-                root(|errors| errors.log.mean_square, 3),
-                root(|errors| errors.linear.mean_square, 4),
             );
         }
     }
@@ -54,14 +55,15 @@ fn over_folds(material: &Material<'_>, method: &Method) -> anyhow::Result<Option
     let Some(rows) = material.samples().map(|rows| rows.within(THETA_MAX)) else {
         return Ok(None);
     };
-    let offsets = log_offsets(&rows);
-    let mut parts = Vec::new();
-    for fold in rows.folds(FOLDS, SEED) {
+    let folds = rows.folds(FOLDS, SEED);
+    let mut predicted = Vec::new();
+    for fold in &folds {
         let kept: Vec<usize> =
             (0..rows.len()).filter(|index| fold.binary_search(index).is_err()).collect();
         let rest = Material::from_samples(material.name(), &rows.select(&kept));
         let model = method.fit(&rest)?;
-        parts.push((measure(&rows.select(&fold), model.brdf(), &offsets), fold.len()));
+        let values = fold.iter().map(|&index| model.brdf().eval_unclamped(&rows.pair(index)));
+        predicted.push(values.collect());
     }
-    Ok(Some(FitErrors::pooled(&parts)))
+    Ok(Some(measure_folds(&rows, &folds, &predicted, &log_offsets(&rows))))
 }

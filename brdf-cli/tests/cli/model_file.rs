@@ -38,10 +38,12 @@ const PRODUCTS: [&str; 17] = [
     "preset:ggx --angles polar --bytes 1k --texels u8",
 ];
 
-/// Splines of a material with both symmetries, in colour and grey, and lobes.
-const COMPACT: [&str; 4] = [
+/// Splines of a material with both symmetries, in colour and grey, alone and on lobes, and lobes.
+const COMPACT: [&str; 6] = [
     "preset:ggx --method spline --bytes 600",
     "preset:plastic --method spline --bytes 600 --luminance",
+    "rows.csv --method spline --bytes 600",
+    "rows.csv --method spline --bytes 500 --luminance",
     "preset:red-plastic --method ggx --lobes 1",
     "preset:ggx --method ggx --lobes 2",
 ];
@@ -245,6 +247,7 @@ fn write_inputs(folder: &Path) {
     // The viewer, then the light, along the normal; then below the horizon.
     let more = "30,20,0,0,0,0,0\n0,0,70,200,0,0,0\n100,20,30,40,0,0,0\n30,40,91,20,0,0,0\n";
     fs::write(folder.join("pairs.csv"), format!("{sampled}{more}")).unwrap();
+    fs::write(folder.join("rows.csv"), &sampled).unwrap();
     let black: Vec<String> = sampled
         .lines()
         .take(100)
