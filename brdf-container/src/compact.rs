@@ -44,7 +44,7 @@ pub(crate) fn parse_compact(
         (Kind::Ggx, Makeup::Lobes(lobes)) => CompactBrdf::Ggx(lobes.clone()),
         (Kind::Spline, _) => {
             let stream = tensors.tensor(STREAM).map_err(|e| library("safetensors", &e))?;
-            CompactBrdf::Spline(SplineBrdf::from_bytes(stream.data())?)
+            CompactBrdf::Spline(Box::new(SplineBrdf::from_bytes(stream.data())?))
         }
         _ => {
             return Err(ContainerError::Missing {

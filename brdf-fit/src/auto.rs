@@ -62,7 +62,7 @@ pub fn fit_auto(
 ) -> Result<Fit, FitError> {
     let change = anisotropy(material.brdf());
     if material.samples().is_none() && change > ANISOTROPIC {
-        let mut found = Fit::Factored(fit_factored(material, &settings.search, job)?);
+        let mut found = Fit::Factored(Box::new(fit_factored(material, &settings.search, job)?));
         found.add_note(FitNote::SearchedAsAnisotropic { change });
         return Ok(found);
     }
@@ -142,7 +142,9 @@ impl Candidate {
             Self::Compact(settings) => {
                 Fit::Compact(Box::new(fit_compact(material, settings, job)?))
             }
-            Self::Factored(settings) => Fit::Factored(fit_factored(material, settings, job)?),
+            Self::Factored(settings) => {
+                Fit::Factored(Box::new(fit_factored(material, settings, job)?))
+            }
         })
     }
 }

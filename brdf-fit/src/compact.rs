@@ -76,7 +76,7 @@ impl CompactSettings {
 #[derive(Clone, Debug, PartialEq)]
 pub enum CompactBrdf {
     /// A sum of products of splines.
-    Spline(SplineBrdf),
+    Spline(Box<SplineBrdf>),
     /// GGX lobes.
     Ggx(GgxLobes),
 }
@@ -85,7 +85,7 @@ impl CompactBrdf {
     /// Returns the model as a function.
     pub fn brdf(&self) -> &dyn Brdf {
         match self {
-            Self::Spline(model) => model,
+            Self::Spline(model) => model.as_ref(),
             Self::Ggx(model) => model,
         }
     }
@@ -392,7 +392,7 @@ fn fit_rows(
 
 fn splines(fit: brdf_spline::SplineFit) -> Fitted {
     Fitted {
-        model: CompactBrdf::Spline(fit.model),
+        model: CompactBrdf::Spline(Box::new(fit.model)),
         samples: fit.nodes,
         chosen: Some(fit.chosen),
         trials: fit.trials,

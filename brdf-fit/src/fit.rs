@@ -60,10 +60,10 @@ pub fn fit(
     match settings {
         FitSettings::Auto(settings) => fit_auto(material, settings, job),
         FitSettings::Factored(settings) => {
-            Ok(Fit::Factored(fit_factored(material, settings, job)?))
+            Ok(Fit::Factored(Box::new(fit_factored(material, settings, job)?)))
         }
         FitSettings::Separable(settings) => {
-            Ok(Fit::Separable(fit_separable(material, settings, job)?))
+            Ok(Fit::Separable(Box::new(fit_separable(material, settings, job)?)))
         }
         FitSettings::Compact(settings) => {
             Ok(Fit::Compact(Box::new(fit_compact(material, settings, job)?)))

@@ -12,9 +12,9 @@ use crate::separable::SeparableFit;
 #[derive(Clone, Debug)]
 pub enum Fit {
     /// A product of textures.
-    Factored(FactoredFit),
+    Factored(Box<FactoredFit>),
     /// A sum of products.
-    Separable(SeparableFit),
+    Separable(Box<SeparableFit>),
     /// A compact model.
     Compact(Box<CompactFit>),
 }
