@@ -76,8 +76,11 @@ pub(crate) fn on_error(error: &anyhow::Error) -> &'static str {
 }
 
 fn on_content(problem: &(dyn Error + Send + Sync + 'static)) -> &'static str {
+    if let Some(FormatError::SeveralMaterials { .. }) = problem.downcast_ref() {
+        return "; --where COLUMN=VALUE takes one";
+    }
     if let Some(FormatError::Columns { .. }) = problem.downcast_ref() {
-        return "; --columns MEANING=NAME,… says which they are";
+        return "; --columns MEANING=NAME,… says which they are, or a number for an angle that all rows have";
     }
     let Some(ContainerError::NoBrdf { found }) = problem.downcast_ref() else { return "" };
     match found {

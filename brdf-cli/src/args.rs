@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use brdf_container::MaterialFile;
 use brdf_files::{FileError, MappedFile};
-use brdf_io::{ColumnMap, ReadOptions};
+use brdf_io::{ColumnMap, ReadOptions, RowChoice, TableOptions};
 use brdf_model::{Channels, MerlLookup, MerlNodes};
 use brdf_render::{DirectionalLight, Environment, Light};
 
@@ -19,12 +19,18 @@ pub(crate) struct ReadArgs {
     merl_nodes: MerlNodesArg,
 
     /// What the columns of a table mean, as meaning=name pairs separated by commas. Meanings:
-    /// theta_i_deg phi_i_deg theta_o_deg phi_o_deg (or _rad), r g b or value, wavelength_um.
+    /// theta_i_deg phi_i_deg theta_o_deg phi_o_deg (or _rad), r g b, value or value_cos (times the cosine of the
+    /// viewer), wavelength_um or wavelength_nm. #3 is the third column; a number is the same angle in all rows.
     /// Example: --columns theta_i_deg=zenith_in,phi_i_deg=az_in,theta_o_deg=zenith_out,phi_o_deg=az_out,value=brdf
     #[arg(long, value_name = "MEANING=NAME,…")]
     columns: Option<ColumnMap>,
 
-    /// Of a table with wavelengths, take the one nearest to this, in micrometres [default: 0.55]
+    /// Of a table, take the rows with this in a column; `any` takes all of them. May be given several times
+    #[arg(long = "where", value_name = "COLUMN=VALUE")]
+    rows: Vec<RowChoice>,
+
+    /// Of a table with wavelengths, take the one nearest to this, in micrometres [default: 0.55 where each row has its
+    /// own, else all of them as a colour]
     #[arg(long, value_name = "UM")]
     wavelength_um: Option<f64>,
 }
@@ -43,8 +49,11 @@ impl ReadArgs {
     pub(crate) fn options(&self) -> ReadOptions {
         ReadOptions {
             merl_lookup: MerlLookup::Trilinear(self.merl_nodes.into()),
-            columns: self.columns.clone(),
-            wavelength_um: self.wavelength_um,
+            table: TableOptions {
+                columns: self.columns.clone(),
+                rows: self.rows.clone(),
+                wavelength_um: self.wavelength_um,
+            },
             material: None,
         }
     }

@@ -1,8 +1,12 @@
 //! Recognizing formats by what is in a file.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 use crate::FormatError;
+use crate::foreign::foreign;
+use crate::text::decode;
 
 /// The file formats that [`detect`] knows, whether or not their readers are built in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,7 +71,11 @@ pub fn detect(bytes: &[u8]) -> Result<Format, FormatError> {
         return Ok(Format::Utia);
     }
     let unknown = || FormatError::Unknown { start: printable(bytes) };
-    let text = leading_text(bytes).ok_or_else(unknown)?;
+    let text = leading_text(bytes);
+    if let Some(foreign) = foreign(bytes, text.as_deref()) {
+        return Err(foreign);
+    }
+    let text = text.ok_or_else(unknown)?;
     if text.lines().any(|line| ["#DIM", "#PARAM_IN", "#FORMAT"].iter().any(|k| line.starts_with(k)))
     {
         return Ok(Format::Alta);
@@ -76,7 +84,7 @@ pub fn detect(bytes: &[u8]) -> Result<Format, FormatError> {
     match first {
         // The number of wavelengths stands alone on its line.
         Some(line) if line.parse::<u32>().is_ok() => Ok(Format::Cornell),
-        Some(_) if has_header(text) => Ok(Format::Table),
+        Some(_) if has_header(&text) => Ok(Format::Table),
         _ => Err(unknown()),
     }
 }
@@ -90,11 +98,12 @@ pub(crate) const MERL_DIMENSIONS: [u32; 3] = [90, 90, 180];
 /// Length of every MERL file: three numbers, three planes of doubles.
 pub(crate) const MERL_LENGTH: usize = 12 + 3 * 8 * 90 * 90 * 180;
 
-/// The three dimensions are there, or the length is right and the dimensions are damaged: either
+/// Two of the three dimensions are there, or the length is right and the dimensions are damaged: either
 /// way the reader has something useful to say.
 fn looks_like_merl(bytes: &[u8]) -> bool {
-    let header: Vec<u8> = MERL_DIMENSIONS.iter().flat_map(|d| d.to_le_bytes()).collect();
-    bytes.starts_with(&header) || bytes.len() == MERL_LENGTH
+    let found = bytes.as_chunks::<4>().0.iter().map(|chunk| u32::from_le_bytes(*chunk));
+    let right = found.zip(MERL_DIMENSIONS).filter(|(found, wanted)| found == wanted).count();
+    right >= 2 || bytes.len() == MERL_LENGTH
 }
 
 #[cfg(feature = "table")]
@@ -108,18 +117,11 @@ fn has_header(text: &str) -> bool {
     text.lines().any(|line| line.split([',', ' ', '\t']).all(|field| field.parse::<f64>().is_ok()))
 }
 
-/// The longest valid text within the first 16 KiB, if there is any and it is not binary.
-fn leading_text(bytes: &[u8]) -> Option<&str> {
-    let head = &bytes[..bytes.len().min(16 << 10)];
-    let text = match std::str::from_utf8(head) {
-        Ok(text) => text,
-        // A character may be cut at the end.
-        Err(error) if error.error_len().is_none() || error.valid_up_to() > head.len() / 2 => {
-            std::str::from_utf8(&head[..error.valid_up_to()]).ok()?
-        }
-        Err(_) => return None,
-    };
-    (!text.is_empty() && !text.contains('\0')).then_some(text)
+/// The text at the start of a file, if it is one.
+fn leading_text(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    // A character may be cut at the end, which makes it Latin-1: no matter for what is looked for.
+    let text = decode(&bytes[..bytes.len().min(16 << 10)]).ok()?;
+    (!text.is_empty()).then_some(text)
 }
 
 fn printable(bytes: &[u8]) -> String {

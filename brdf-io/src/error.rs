@@ -74,7 +74,7 @@ pub enum FormatError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The header of a table does not say what is needed.
-    #[error("line {line}: found columns {}; expected {expected}", found.join(", "))]
+    #[error("line {line}: found columns {}; expected {expected}", few(found))]
     Columns {
         /// Line of the header, counted from 1.
         line: usize,
@@ -82,6 +82,24 @@ pub enum FormatError {
         found: Vec<String>,
         /// Expected content.
         expected: String,
+    },
+    /// A column without a meaning tells rows apart, so that several materials would become one.
+    #[error("line {line}: column {column:?} tells rows apart; expected a choice: {values}")]
+    SeveralMaterials {
+        /// Line of the header, counted from 1.
+        line: usize,
+        /// Name of the column.
+        column: String,
+        /// What stands in it, as a list.
+        values: String,
+    },
+    /// A file of something else, or of another program.
+    #[error("this is {what}; {advice}")]
+    Foreign {
+        /// What it is.
+        what: String,
+        /// What to do about it.
+        advice: &'static str,
     },
     /// A library refused the content.
     #[error("{what}: {problem}")]
@@ -91,6 +109,21 @@ pub enum FormatError {
         /// Message of the library.
         problem: String,
     },
+}
+
+/// The first names of a header, each cut, so that they fit into a message.
+fn few(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let shown = names.iter().take(SHOWN).map(|name| {
+        let cut: String = name.chars().take(24).flat_map(char::escape_debug).collect();
+        if name.chars().count() > 24 { format!("{cut}…") } else { cut }
+    });
+    let list = shown.collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(SHOWN) {
+        0 if names.is_empty() => "without names".to_owned(),
+        0 => list,
+        more => format!("{list} and {more} more"),
+    }
 }
 
 /// Returns a text in quotes, cut to its first 40 characters so that it fits into a message.

@@ -27,6 +27,7 @@ mod bytes;
 mod cornell;
 mod detect;
 mod error;
+mod foreign;
 mod measurement;
 #[cfg(feature = "merl")]
 mod merl;
@@ -35,10 +36,11 @@ mod nbrdf;
 mod note;
 #[cfg(feature = "rgl")]
 mod rgl;
-#[cfg(feature = "cornell")]
+#[cfg(any(feature = "cornell", feature = "table"))]
 mod spectrum;
 #[cfg(feature = "table")]
 mod table;
+mod text;
 #[cfg(feature = "utia")]
 mod utia;
 
@@ -57,11 +59,12 @@ pub use nbrdf::{nbrdf_names, read_nbrdf};
 pub use note::ReadNote;
 #[cfg(feature = "rgl")]
 pub use rgl::read_rgl;
-#[cfg(feature = "cornell")]
+#[cfg(any(feature = "cornell", feature = "table"))]
 pub use spectrum::SpectrumToRgb;
 #[cfg(feature = "table")]
 pub use table::{
-    AngleUnit, Column, ColumnMap, direction_rows, direction_table_header, read_table, write_samples,
+    Angle, AngleUnit, Column, ColumnMap, LengthUnit, RowChoice, TableOptions, direction_rows,
+    direction_table_header, read_table, write_samples,
 };
 #[cfg(feature = "utia")]
 pub use utia::read_utia;

@@ -6,28 +6,28 @@ use brdf_model::{
 };
 
 #[cfg(feature = "table")]
-use crate::ColumnMap;
+use crate::TableOptions;
 use crate::detect::{Format, detect};
 use crate::error::FormatError;
 use crate::note::ReadNote;
+#[cfg(any(feature = "cornell", feature = "alta", feature = "table"))]
+use crate::text::decode;
 
 /// Choices that the content of a file does not settle: how a table is interpolated, what its columns mean, which
 /// wavelength or which material of several is wanted.
 ///
 /// ```
-/// let options = brdf_io::ReadOptions { wavelength_um: Some(0.633), ..Default::default() };
-/// assert!(options.columns.is_none());
+/// let table = brdf_io::TableOptions { wavelength_um: Some(0.633), ..Default::default() };
+/// let options = brdf_io::ReadOptions { table, ..Default::default() };
+/// assert!(options.material.is_none());
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
     /// Interpolation of a MERL table; trilinear between the centres of cells by default.
     pub merl_lookup: MerlLookup,
-    /// Meanings of the columns of a table, for headers whose names carry no unit.
+    /// What a table itself may not say.
     #[cfg(feature = "table")]
-    pub columns: Option<ColumnMap>,
-    /// The wavelength to take from a table of several, in micrometres; the nearest one is taken, by default to 0.55
-    /// µm.
-    pub wavelength_um: Option<f64>,
+    pub table: TableOptions,
     /// The name of the material to take from an archive; needed where the archive holds several.
     pub material: Option<String>,
 }
@@ -37,8 +37,7 @@ impl Default for ReadOptions {
         Self {
             merl_lookup: MerlLookup::Trilinear(MerlNodes::Centre),
             #[cfg(feature = "table")]
-            columns: None,
-            wavelength_um: None,
+            table: TableOptions::default(),
             material: None,
         }
     }
@@ -151,7 +150,7 @@ fn read_as(
         }
         #[cfg(feature = "cornell")]
         Format::Cornell => {
-            let spectra = crate::read_cornell(text(bytes)?)?;
+            let spectra = crate::read_cornell(&decode(bytes)?)?;
             let (first, last) = (spectra.wavelengths[0], spectra.wavelengths.last().copied());
             notes.push(ReadNote::Spectra {
                 wavelengths: spectra.wavelengths.len(),
@@ -165,14 +164,13 @@ fn read_as(
         }
         #[cfg(feature = "alta")]
         Format::Alta => {
-            let (samples, said) = crate::read_alta(text(bytes)?)?;
+            let (samples, said) = crate::read_alta(&decode(bytes)?)?;
             notes.extend(said);
             scattered(samples)?
         }
         #[cfg(feature = "table")]
         Format::Table => {
-            let (samples, said) =
-                crate::read_table(text(bytes)?, options.columns.as_ref(), options.wavelength_um)?;
+            let (samples, said) = crate::read_table(&decode(bytes)?, &options.table)?;
             notes.extend(said);
             scattered(samples)?
         }
@@ -195,14 +193,4 @@ fn scattered(samples: SampleSet) -> Result<Measured, FormatError> {
         });
     }
     Ok(Measured::Samples(Box::new(ScatteredBrdf::new(samples))))
-}
-
-#[cfg(any(feature = "cornell", feature = "alta", feature = "table"))]
-fn text(bytes: &[u8]) -> Result<&str, FormatError> {
-    std::str::from_utf8(bytes).map_err(|error| FormatError::Field {
-        offset: error.valid_up_to(),
-        what: "the text",
-        found: "a byte that is not UTF-8".to_owned(),
-        expected: "plain text".to_owned(),
-    })
 }

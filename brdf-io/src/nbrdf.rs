@@ -28,7 +28,8 @@ pub fn nbrdf_names(bytes: &[u8]) -> Result<Vec<String>, FormatError> {
     Ok(names)
 }
 
-/// Reads one material of an archive of neural BRDFs. No name is needed where the archive holds a single one.
+/// Reads one material of an archive of neural BRDFs. No name is needed where the archive holds a single one, as one array
+/// of all weights or as the six arrays of its layers.
 ///
 /// # Errors
 ///
@@ -36,6 +37,17 @@ pub fn nbrdf_names(bytes: &[u8]) -> Result<Vec<String>, FormatError> {
 /// [`FormatError::Library`] and [`FormatError::Model`] for an entry that holds no such network.
 pub fn read_nbrdf(bytes: &[u8], material: Option<&str>) -> Result<Nbrdf, FormatError> {
     let names = nbrdf_names(bytes)?;
+    if names.is_empty() {
+        return Err(not_networks(bytes)?);
+    }
+    if are_layers(&names) && material.is_none() {
+        let mut archive = open(bytes)?;
+        let mut weights = Vec::with_capacity(Nbrdf::WEIGHTS);
+        for (layer, shape) in LAYERS {
+            weights.extend(array(&mut archive, layer, shape)?);
+        }
+        return Ok(Nbrdf::new(&weights)?);
+    }
     let name = match (material, &names[..]) {
         (Some(name), _) if names.iter().any(|known| known == name) => name,
         (None, [only]) => only,
@@ -54,6 +66,42 @@ pub fn read_nbrdf(bytes: &[u8], material: Option<&str>) -> Result<Nbrdf, FormatE
         }
     };
     let mut archive = open(bytes)?;
+    let shape = format!("({},)", Nbrdf::WEIGHTS);
+    Ok(Nbrdf::new(&array(&mut archive, name, &shape)?)?)
+}
+
+/// What an archive is that holds no array.
+fn not_networks(bytes: &[u8]) -> Result<FormatError, FormatError> {
+    let archive = open(bytes)?;
+    let first = archive.file_names().min().map_or_else(
+        || "nothing".to_owned(),
+        |name| if archive.len() > 1 { format!("{} and more", quoted(name)) } else { quoted(name) },
+    );
+    let what = format!("an archive with {first}, not one of networks (.npz)");
+    Ok(FormatError::Foreign { what, advice: "unpack it, or name it to `brdf btf` if it is a BTF" })
+}
+
+/// Layers of one network, as Keras has them: a matrix `[input, output]` and biases each, with their shapes.
+const LAYERS: [(&str, &str); 6] = [
+    ("fc1", "(6,21)"),
+    ("b1", "(21,)"),
+    ("fc2", "(21,21)"),
+    ("b2", "(21,)"),
+    ("fc3", "(21,3)"),
+    ("b3", "(3,)"),
+];
+
+fn are_layers(names: &[String]) -> bool {
+    names.len() == LAYERS.len()
+        && LAYERS.iter().all(|(layer, _)| names.iter().any(|name| name == layer))
+}
+
+/// The numbers of one array of an archive.
+fn array(
+    archive: &mut ZipArchive<Cursor<&[u8]>>,
+    name: &str,
+    shape: &str,
+) -> Result<Vec<f32>, FormatError> {
     let mut content = Vec::new();
     archive
         .by_name(&format!("{name}.npy"))
@@ -61,12 +109,12 @@ pub fn read_nbrdf(bytes: &[u8], material: Option<&str>) -> Result<Nbrdf, FormatE
         .take(LONGEST_ENTRY)
         .read_to_end(&mut content)
         .map_err(|e| library(&e))?;
-    weights(&content)
+    numbers(&content, shape)
 }
 
-/// The weights of an array file (NumPy enhancement proposal 1, format version 1): the magic word, the length of a
+/// The numbers of an array file (NumPy enhancement proposal 1, format version 1): the magic word, the length of a
 /// header in two bytes, the header (a Python dictionary with the type and the shape), the values.
-fn weights(content: &[u8]) -> Result<Nbrdf, FormatError> {
+fn numbers(content: &[u8], shape: &str) -> Result<Vec<f32>, FormatError> {
     let refused =
         |problem: &str| FormatError::Library { what: "NumPy array", problem: problem.to_owned() };
     let rest = content
@@ -79,19 +127,19 @@ fn weights(content: &[u8]) -> Result<Nbrdf, FormatError> {
     let header = String::from_utf8_lossy(header);
     let words: String = header.chars().filter(|c| !c.is_whitespace()).collect();
     let has = |entry: &str| words.contains(entry);
-    if !has("'descr':'<f4'") || !has(&format!("'shape':({},)", Nbrdf::WEIGHTS)) {
+    if !has("'descr':'<f4'") || !has("'fortran_order':False") || !has(&format!("'shape':{shape}")) {
         return Err(FormatError::Missing {
             what: format!("array of weights: its header is {}", quoted(header.trim())),
-            expected: format!("descr '<f4' and shape ({},)", Nbrdf::WEIGHTS),
+            expected: format!("descr '<f4', rows first, and shape {shape}"),
         });
     }
-    let expected = 4 * Nbrdf::WEIGHTS;
+    let sides = shape.trim_matches(|c| matches!(c, '(' | ')')).split(',');
+    let expected = 4 * sides.filter_map(|side| side.parse::<usize>().ok()).product::<usize>();
     if values.len() != expected {
         let hint = " of weights";
         return Err(FormatError::Size { found: values.len(), expected, hint });
     }
-    let weights = values.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
-    Ok(Nbrdf::new(&weights.collect::<Vec<f32>>())?)
+    Ok(values.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
 }
 
 fn open(bytes: &[u8]) -> Result<ZipArchive<Cursor<&[u8]>>, FormatError> {

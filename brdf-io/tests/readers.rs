@@ -37,7 +37,7 @@ fn data_file(relative: &str) -> Option<PathBuf> {
 }
 
 fn samples() -> SampleSet {
-    let sampling = PairSampling { count: 300, seed: 1, theta_max: THETA_MAX };
+    let sampling = PairSampling { count: 100, seed: 1, theta_max: THETA_MAX };
     SampleSet::draw(&Preset::ALL[0].brdf(), &sampling, Channels::Rgb)
 }
 

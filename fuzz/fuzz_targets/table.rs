@@ -3,7 +3,7 @@
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     if let Ok(text) = std::str::from_utf8(data) {
-        let _ = brdf_io::read_table(text, None, None);
+        let _ = brdf_io::read_table(text, &brdf_io::TableOptions::default());
         let _ = brdf_io::direction_rows(text);
     }
 });
