@@ -46,10 +46,9 @@ pub struct AutoSettings {
 
 /// Fits a material by the methods that may suit it and returns the best, with a [`FitNote::ChosenMethod`].
 ///
-/// An isotropic material gets splines, one or two GGX lobes, textures over pairs of angles or McCool's: whichever has
-/// the lowest
-/// [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs, which are neither fitted nor held out. Scattered
-/// samples are judged by [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over ten folds. An anisotropic
+/// An isotropic material gets splines, one or two GGX lobes, McCool's textures or (unless it is scattered samples) those
+/// over pairs of angles: whichever has the lowest [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs,
+/// which are neither fitted nor held out. Scattered samples are judged by [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over ten folds. An anisotropic
 /// material is searched for projections, since the others would lose what turns with it.
 ///
 /// # Errors
@@ -72,8 +71,8 @@ pub fn fit_auto(
     let is_drawn = material.samples().is_none();
     let judge = is_drawn.then(|| Judge::new(material, channels, common.seed, common.theta_max));
     let steps: Vec<Vec<Candidate>> = match settings.aim {
-        Aim::Bytes(bytes) => vec![candidates(settings, bytes)],
-        Aim::Error(_) => SIZES.iter().map(|&bytes| candidates(settings, bytes)).collect(),
+        Aim::Bytes(bytes) => vec![candidates(settings, bytes, is_drawn)],
+        Aim::Error(_) => SIZES.iter().map(|&bytes| candidates(settings, bytes, is_drawn)).collect(),
     };
     let mut tried: Vec<TriedModel> = Vec::new();
     let mut best: Option<(f64, Fit)> = None;
@@ -119,7 +118,7 @@ pub fn fit_auto(
     }
     let Some((error, mut found)) = best else {
         // Every candidate failed: say why the first did.
-        return candidates(settings, SIZES[3])[0].fit(material, job);
+        return candidates(settings, SIZES[3], is_drawn)[0].fit(material, job);
     };
     if let Aim::Error(limit) = settings.aim
         && error > limit
@@ -149,8 +148,8 @@ impl Candidate {
     }
 }
 
-/// What is tried for an isotropic material and so many bytes.
-fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
+/// What is tried for an isotropic material and so many bytes; `is_drawn` unless rows are all there is.
+fn candidates(settings: &AutoSettings, bytes: usize, is_drawn: bool) -> Vec<Candidate> {
     let common = &settings.search;
     let compact = |method| {
         Candidate::Compact(CompactSettings {
@@ -175,16 +174,21 @@ fn candidates(settings: &AutoSettings, bytes: usize) -> Vec<Candidate> {
     // takes time, and splines are better nearly always.
     let spacing = Some(Spacing::Power { exponent: 0.75 });
     let angles = IsotropicSettings { pairs: None, spacing, bytes };
-    vec![
+    let mut all = vec![
         compact(CompactMethod::Spline { bytes }),
         compact(CompactMethod::Ggx { lobes: 1 }),
         compact(CompactMethod::Ggx { lobes: 2 }),
-        textures(FactoredMethod::Isotropic(angles), None, TexelFormat::F16, Reciprocity::Auto),
         textures(
             FactoredMethod::McCool,
             Some(mccool_size(bytes)),
             TexelFormat::F32,
             Reciprocity::On,
         ),
-    ]
+    ];
+    // Between rows textures know nothing of a highlight, and ten folds of them take longer than all else.
+    if is_drawn {
+        let angles = FactoredMethod::Isotropic(angles);
+        all.push(textures(angles, None, TexelFormat::F16, Reciprocity::Auto));
+    }
+    all
 }

@@ -60,7 +60,8 @@ pub(crate) fn makeup_text(makeup: &Makeup) -> String {
     match makeup {
         Makeup::Splines { terms, base: None, .. } => format!("{terms} products of splines"),
         Makeup::Splines { terms, base: Some(base), .. } => {
-            format!("{terms} products of splines on {} GGX lobes", base.lobes.len())
+            let lobes = if base.lobes.len() == 1 { "lobe" } else { "lobes" };
+            format!("{terms} products of splines on {} GGX {lobes}", base.lobes.len())
         }
         Makeup::Lobes(model) => match model.lobes.len() {
             1 => "a GGX lobe on a diffuse base".to_owned(),
