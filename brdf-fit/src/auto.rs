@@ -48,8 +48,9 @@ pub struct AutoSettings {
 ///
 /// An isotropic material gets splines, one or two GGX lobes, McCool's textures or (unless it is scattered samples) those
 /// over pairs of angles: whichever has the lowest [`Fidelity::score`](brdf_model::Fidelity::score) over validation pairs,
-/// which are neither fitted nor held out. Scattered samples are judged by [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over ten folds. An anisotropic
-/// material is searched for projections, since the others would lose what turns with it.
+/// which are neither fitted nor held out. Scattered samples are judged by
+/// [`FidelityErrors::score`](brdf_model::FidelityErrors::score) over ten folds. An anisotropic material is searched for
+/// projections, since the others would lose what turns with it.
 ///
 /// # Errors
 ///
