@@ -3,7 +3,7 @@
 use crate::error::FormatError;
 
 /// How files begin, what they are, and what to do about them.
-const BEGINNINGS: [(&[u8], &str, &str); 13] = [
+const BEGINNINGS: [(&[u8], &str, &str); 12] = [
     (
         b"version https://git-lfs.github.com/spec",
         "a Git LFS pointer, not the file itself",
@@ -17,11 +17,6 @@ const BEGINNINGS: [(&[u8], &str, &str); 13] = [
     (b"\x76\x2f\x31\x01", "an OpenEXR picture", "expected a measurement"),
     (b"#?radiance", "a Radiance picture", "expected a measurement"),
     (b"#?rgbe", "a Radiance picture", "expected a measurement"),
-    (
-        b"analytic",
-        "a shader of BRDF Explorer",
-        "it is a formula, not a measurement, and is not read; presets have the usual formulas",
-    ),
     (b"%PDF", "a PDF document", "expected a measurement"),
     (b"\x1f\x8b", "a gzip archive", "unpack it first"),
     (b"7z\xbc\xaf", "a 7z archive", "unpack it first"),
@@ -36,7 +31,11 @@ const MARKS: [(&[&str], &str, &str); 4] = [
     ),
     (&["<WindowElement"], "a BSDF of WINDOW in XML (Klems or tensor tree)", "it is not read"),
     (&["DATA_TYPE", "PARAM_TYPE"], "an SSDD file", "it is not read"),
-    (&["::begin"], "a shader of BRDF Explorer", "it is a formula, and is not read"),
+    (
+        &["::begin"],
+        "a shader of BRDF Explorer",
+        "it is a formula, not a measurement, and is not read; presets have the usual formulas",
+    ),
 ];
 
 /// Returns what a file is, if it is known and no measurement that is read.
